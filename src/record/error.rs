@@ -1,7 +1,9 @@
 //! Errors when writing and reading recordings.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use mcap::McapError;
 
 use crate::disk;
 
@@ -65,4 +67,46 @@ pub enum RecordError {
         /// The fault and its position.
         cause: String,
     },
+}
+
+impl RecordError {
+    /// Returns the conversion of an error when creating a file.
+    pub(super) fn create(path: &Path) -> impl Fn(io::Error) -> Self {
+        move |cause| Self::Create {
+            path: path.to_owned(),
+            cause,
+        }
+    }
+
+    /// Returns the conversion of an error when reading a file.
+    pub(super) fn read(path: &Path) -> impl Fn(io::Error) -> Self {
+        move |cause| Self::Read {
+            path: path.to_owned(),
+            cause,
+        }
+    }
+
+    /// Returns the conversion of an error when writing a file.
+    pub(super) fn write(path: &Path) -> impl Fn(McapError) -> Self {
+        move |cause| Self::Write {
+            path: path.to_owned(),
+            cause: explained(&cause),
+        }
+    }
+
+    /// Returns the conversion of a fault in a file.
+    pub(super) fn damaged<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Self {
+        move |cause| Self::Damaged {
+            path: path.to_owned(),
+            cause: cause.to_string(),
+        }
+    }
+}
+
+/// Returns an error of the library as text. Its own text does not contain the system's error.
+pub(super) fn explained(error: &McapError) -> String {
+    match error {
+        McapError::Io(cause) => format!("{cause}{}", disk::way_out(cause)),
+        other => other.to_string(),
+    }
 }

@@ -20,14 +20,14 @@ mod write;
 
 pub use error::RecordError;
 pub use highlights::Comparison;
-pub(crate) use highlights::{HighlightsBuilder, Segment, compare_highlights, segments};
+pub(crate) use highlights::{HighlightsBuilder, Segment, ShownRun, compare_highlights, segments};
 pub use info::{RecordingKind, RobotShape, RunInfo};
 pub use mode::RecordMode;
 pub(crate) use mode::RecordModeError;
 pub use read::{Difference, Finding, FindingKind, check, compare, reader};
 pub use repair::{Recovery, recover};
 pub use ros::{DriveBag, DriveRecording};
-pub(crate) use ros::{RosBag, RosRobot, rolled};
+pub(crate) use ros::{RosBag, rolled};
 #[cfg(feature = "ros2")]
 pub(crate) use ros::{drive_messages, messages};
 #[cfg(feature = "live")]

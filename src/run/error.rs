@@ -174,3 +174,29 @@ pub enum RunFolderError {
 fn holder(pid: &Option<u32>) -> String {
     pid.map_or("another process".to_owned(), |pid| format!("process {pid}"))
 }
+
+impl RunFolderError {
+    /// Returns the conversion of an error when reading a file or folder.
+    pub(super) fn io(path: &Path) -> impl Fn(io::Error) -> Self {
+        move |cause| Self::Io {
+            path: path.to_owned(),
+            cause,
+        }
+    }
+
+    /// Returns the conversion of an error when creating a file or folder.
+    pub(super) fn create(path: &Path) -> impl Fn(io::Error) -> Self {
+        move |cause| Self::Create {
+            path: path.to_owned(),
+            cause,
+        }
+    }
+
+    /// Returns the conversion of an error when writing a file.
+    pub(super) fn write(path: &Path) -> impl Fn(io::Error) -> Self {
+        move |cause| Self::Write {
+            path: path.to_owned(),
+            cause,
+        }
+    }
+}

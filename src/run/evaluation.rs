@@ -1,13 +1,12 @@
 //! Recorded evaluations.
 
-use std::fs;
 use std::io;
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use super::contents::{file_names, is_of_a_run, is_of_a_training};
 use super::error::{RunError, RunFolderError};
 use super::facts::run_info;
-use super::folder::{is_of_a_run, is_of_a_training};
 use crate::agent::{Frozen, Knowledge};
 use crate::disk;
 use crate::episode::{Episode, Learned, Observer};
@@ -37,18 +36,14 @@ pub fn record_evaluation(
 /// # Errors
 /// If the folder contains other files, or cannot be read or emptied.
 pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError> {
-    let unreadable = |cause| RunFolderError::Io {
-        path: folder.to_owned(),
-        cause,
-    };
-    let entries: Vec<fs::DirEntry> = match folder.read_dir().and_then(Iterator::collect) {
+    let entries = match file_names(folder) {
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(()),
-        entries => entries.map_err(unreadable)?,
+        names => names.map_err(RunFolderError::io(folder))?,
     };
     if entries.is_empty() {
         return Ok(());
     }
-    let names = entries.iter().map(fs::DirEntry::file_name);
+    let names = entries.iter().cloned();
     let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).collect();
     let run = RecordingKind::Run.file_name();
     // An interrupted evaluation has an unfinished `run.mcap`, but no files of a training.
@@ -69,7 +64,7 @@ pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError
     names.push(run);
     for name in names {
         let path = folder.join(name);
-        disk::remove(&path).map_err(|cause| RunFolderError::Write { path, cause })?;
+        disk::remove(&path).map_err(RunFolderError::write(&path))?;
     }
     Ok(())
 }

@@ -1,38 +1,20 @@
 //! The folder of a run.
 
-use std::collections::BTreeMap;
-use std::ffi::OsString;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use serde::de::{DeserializeOwned, IgnoredAny};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
+use super::contents::{CONFIG, Contents, PAGE, RULES, WORLD, file_names, is_of_a_run};
 use super::error::RunFolderError;
 use super::resume_hint::{CHECKPOINT, has_checkpoint, resume_hint};
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK, LockError};
 use crate::record::RecordingKind;
-use crate::trial::{CheckpointError, Config, Plan, is_sealed, seal, unseal};
+use crate::trial::{CheckpointError, Config, Plan, seal, unseal};
 use crate::world::Maze;
-
-/// The world as used by the run.
-const WORLD: &str = "world.json";
-/// The settings of the run.
-const CONFIG: &str = "config.json";
-/// The learned knowledge.
-const RULES: &str = "rules.json";
-/// The page that plays the highlights.
-const PAGE: &str = "replay.html";
-/// The files of recordings apart from numbered episodes.
-const RECORDINGS: [&str; 5] = [
-    "run.mcap",
-    "highlights.mcap",
-    PAGE,
-    "foxglove-layout.json",
-    "foxglove-layout-run.json",
-];
 
 /// A folder with the files of one run: `world.json`, `config.json`, `rules.json`, recordings, and
 /// a checkpoint while the run lasts.
@@ -43,28 +25,7 @@ pub struct RunFolder {
     _lock: Option<FolderLock>,
 }
 
-/// The contents of a folder.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Contents {
-    /// Nothing, or the files of a run that was killed before its first checkpoint.
-    Nothing,
-    /// A run with a checkpoint.
-    Interrupted,
-    /// A run without a checkpoint.
-    Run,
-    /// Other files.
-    Foreign,
-}
-
 impl RunFolder {
-    /// The file of the learned knowledge.
-    pub(super) const RULES: &str = RULES;
-
-    /// Returns true if runs give this name to a file.
-    pub(super) fn writes(name: &str) -> bool {
-        is_of_a_run(name)
-    }
-
     /// Creates and locks the folder of a new run. An existing run is replaced only if `force` is
     /// set; then its files are removed, and nothing else.
     ///
@@ -75,15 +36,13 @@ impl RunFolder {
         // lock may belong to another process that is about to begin there.
         let lock = path.join(LOCK);
         let is_free = !lock.exists() || disk::is_foreign_lock(&lock);
-        if is_free && Self::checked_contents(path)? == Contents::Foreign {
+        let contents = || Contents::checked(path).map_err(RunFolderError::create(path));
+        if is_free && contents()? == Contents::Foreign {
             return Err(RunFolderError::Foreign(path.to_owned()));
         }
-        fs::create_dir_all(path).map_err(|cause| RunFolderError::Create {
-            path: path.to_owned(),
-            cause,
-        })?;
+        fs::create_dir_all(path).map_err(RunFolderError::create(path))?;
         let folder = Self::locked(path)?;
-        match Self::checked_contents(path)? {
+        match contents()? {
             Contents::Foreign => Err(RunFolderError::Foreign(path.to_owned())),
             Contents::Interrupted if !force => Err(RunFolderError::Interrupted(path.to_owned())),
             Contents::Run if !force => Err(RunFolderError::Exists(path.to_owned())),
@@ -97,29 +56,10 @@ impl RunFolder {
     /// # Errors
     /// If there is no run, or another process uses the folder.
     pub fn resume(path: &Path) -> Result<Self, RunFolderError> {
-        let found = contents(path).map_err(|cause| RunFolderError::Io {
-            path: path.to_owned(),
-            cause,
-        })?;
-        match found {
+        match Contents::of(path).map_err(RunFolderError::io(path))? {
             Contents::Interrupted | Contents::Run => Self::locked(path)?.tidied(),
             _ => Err(RunFolderError::NothingToResume(path.to_owned())),
         }
-    }
-
-    /// Returns the contents of a folder. Files with the names of a run that no run wrote are
-    /// foreign.
-    fn checked_contents(path: &Path) -> Result<Contents, RunFolderError> {
-        let ours = contents(path).and_then(|found| match found {
-            Contents::Run | Contents::Interrupted if !was_written_by_a_run(path)? => {
-                Ok(Contents::Foreign)
-            }
-            found => Ok(found),
-        });
-        ours.map_err(|cause| RunFolderError::Create {
-            path: path.to_owned(),
-            cause,
-        })
     }
 
     fn locked(path: &Path) -> Result<Self, RunFolderError> {
@@ -139,22 +79,15 @@ impl RunFolder {
     /// Removes the temporary files that a killed process left.
     fn tidied(self) -> Result<Self, RunFolderError> {
         let tidied = disk::remove_leftovers(&self.path, is_of_a_run);
-        tidied.map_err(|cause| RunFolderError::Io {
-            path: self.path.clone(),
-            cause,
-        })?;
+        tidied.map_err(RunFolderError::io(&self.path))?;
         Ok(self)
     }
 
     /// Returns the names of the files in the folder in order, without names that are not valid
     /// text.
     pub(super) fn names(&self) -> Result<Vec<String>, RunFolderError> {
-        let entries = self.path.read_dir().and_then(Iterator::collect);
-        let entries: Vec<fs::DirEntry> = entries.map_err(|cause| RunFolderError::Io {
-            path: self.path.clone(),
-            cause,
-        })?;
-        let names = entries.iter().map(fs::DirEntry::file_name);
+        let names = file_names(&self.path).map_err(RunFolderError::io(&self.path))?;
+        let names = names.into_iter();
         let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).collect();
         names.sort_unstable();
         Ok(names)
@@ -170,7 +103,7 @@ impl RunFolder {
 
     fn remove(&self, name: &str) -> Result<(), RunFolderError> {
         let path = self.path.join(name);
-        disk::remove(&path).map_err(|cause| RunFolderError::Write { path, cause })
+        disk::remove(&path).map_err(RunFolderError::write(&path))
     }
 
     /// Opens the folder of an existing run for reading.
@@ -183,10 +116,7 @@ impl RunFolder {
 
     /// Returns how to resume the run, for the end of a message; empty without a checkpoint.
     pub fn way_on(&self) -> String {
-        match has_checkpoint(&self.path) {
-            true => format!("; {}", resume_hint(&self.path)),
-            false => String::new(),
-        }
+        Self::way_to_resume(&self.path).map_or_else(String::new, |hint| format!("; {hint}"))
     }
 
     /// Returns the path of the folder.
@@ -278,7 +208,7 @@ impl RunFolder {
 
     /// Returns true if the run is interrupted.
     pub fn is_interrupted(&self) -> bool {
-        matches!(contents(&self.path), Ok(Contents::Interrupted))
+        matches!(Contents::of(&self.path), Ok(Contents::Interrupted))
     }
 
     /// Returns the checkpoint; `None` if the run is finished.
@@ -292,10 +222,7 @@ impl RunFolder {
         }
         let bytes = disk::read(&path, disk::MOST_BYTES).map_err(|cause| match cause.kind() {
             io::ErrorKind::NotFound => RunFolderError::NothingToResume(self.path.clone()),
-            _ => RunFolderError::Io {
-                path: path.clone(),
-                cause,
-            },
+            _ => RunFolderError::io(&path)(cause),
         })?;
         let state = unseal(&bytes).map_err(|fault| self.bad_checkpoint(fault))?;
         Ok(Some(state))
@@ -328,7 +255,7 @@ impl RunFolder {
         let text = disk::read(&path, disk::MOST_BYTES);
         let text = text.map_err(|cause| match cause.kind() {
             io::ErrorKind::FileTooLarge => self.damaged(name, &cause),
-            _ => RunFolderError::Io { path, cause },
+            _ => RunFolderError::io(&path)(cause),
         })?;
         serde_json::from_slice(&text).map_err(|fault| self.damaged(name, &fault))
     }
@@ -342,105 +269,12 @@ impl RunFolder {
 
     fn write(&self, name: &str, bytes: &[u8]) -> Result<(), RunFolderError> {
         let path = self.path.join(name);
-        disk::replace(&path, bytes).map_err(|cause| RunFolderError::Write { path, cause })
+        disk::replace(&path, bytes).map_err(RunFolderError::write(&path))
     }
-}
-
-/// Returns the contents of a folder, which need not exist.
-fn contents(path: &Path) -> io::Result<Contents> {
-    let names = path.read_dir().and_then(|entries| {
-        let names = entries.map(|entry| Ok(entry?.file_name()));
-        names.collect::<io::Result<Vec<_>>>()
-    });
-    let mut names = match names {
-        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(Contents::Nothing),
-        names => names?,
-    };
-    let has = |name: &str| names.iter().any(|one| one == name);
-    if has(CHECKPOINT) {
-        return Ok(Contents::Interrupted);
-    }
-    if has(CONFIG) {
-        return Ok(Contents::Run);
-    }
-    // Ignores the files that exist before the first checkpoint.
-    let is_lock = |name: &OsString| name == LOCK && !disk::is_foreign_lock(&path.join(LOCK));
-    names.retain(|name| !is_lock(name) && !disk::is_leftover_of(name, CHECKPOINT));
-    Ok(match names.is_empty() {
-        true => Contents::Nothing,
-        false => Contents::Foreign,
-    })
-}
-
-/// The fields that every version of this program writes into the `config.json` of a run.
-#[derive(Deserialize)]
-struct Signature {
-    #[serde(rename = "version")]
-    _version: String,
-    #[serde(rename = "method")]
-    _method: String,
-    #[serde(rename = "arena")]
-    _arena: String,
-    #[serde(rename = "episodes")]
-    _episodes: u32,
-    #[serde(rename = "settings")]
-    _settings: BTreeMap<String, IgnoredAny>,
-}
-
-/// Returns true if a run wrote the files with the names of a run. Other programs also use
-/// `config.json`.
-fn was_written_by_a_run(path: &Path) -> io::Result<bool> {
-    let read = |name: &str, most| match disk::read(&path.join(name), most) {
-        Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
-        // Such a file was not written by a run.
-        Err(cause) if cause.kind() == io::ErrorKind::FileTooLarge => Ok(Vec::new()),
-        Err(cause) if cause.kind() == io::ErrorKind::InvalidInput => Ok(Vec::new()),
-        bytes => bytes,
-    };
-    let config = read(CONFIG, disk::MOST_BYTES)?;
-    Ok(serde_json::from_slice::<Signature>(&config).is_ok()
-        || is_sealed(&read(CHECKPOINT, disk::MOST_BYTES)?))
-}
-
-/// Returns true if runs give this name to a file.
-pub(super) fn is_of_a_run(name: &str) -> bool {
-    let whole = disk::leftover_of(name).or_else(|| name.strip_suffix(".part"));
-    let whole = whole.unwrap_or(name);
-    let number = whole
-        .strip_prefix("ep-")
-        .and_then(|rest| rest.strip_suffix(".mcap"));
-    let is_number = |text: &str| text.len() >= 4 && text.bytes().all(|b| b.is_ascii_digit());
-    number.is_some_and(is_number)
-        || [WORLD, CONFIG, RULES, CHECKPOINT].contains(&whole)
-        || RECORDINGS.contains(&whole)
-        || whole == "run.mcap.again"
-}
-
-/// Returns true if only a training writes a file of this name.
-pub(super) fn is_of_a_training(name: &str) -> bool {
-    [WORLD, CONFIG, RULES, CHECKPOINT].contains(&name)
 }
 
 fn to_json(value: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(value).expect("plain data becomes JSON");
     text.push('\n');
     text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_names_of_run_files_are_recognised() {
-        let ours = "ep-0001.mcap ep-123456.mcap.part .rules.json.a1B2c3.tmp run.mcap checkpoint";
-        for name in ours.split(' ') {
-            assert!(is_of_a_run(name), "{name}");
-        }
-        let others =
-            "ep-1.mcap ep-best.mcap notes.txt ep-0001.mcap.bak run ep-.mcap .notes.a1B2c3.tmp";
-        for name in others.split(' ') {
-            assert!(!is_of_a_run(name), "{name}");
-        }
-    }
 }

@@ -2,19 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
-
 use super::error::RunError;
 use super::evaluation::record_drives;
 use super::facts::run_info;
 use super::folder::RunFolder;
 use super::source::{Source, mode_for_highlights, recorded_mode};
+use super::verify::Again;
 use crate::agent::Knowledge;
 use crate::record::reader::Recording;
 use crate::record::{
-    HighlightsBuilder, RecordMode, Recorder, RecordingKind, Segment, Topic, segments,
+    HighlightsBuilder, RecordMode, RecordingKind, Segment, ShownRun, Topic, segments,
 };
-use crate::trial::{Plan, Trial};
+use crate::trial::Plan;
 
 impl RunFolder {
     /// Returns the highlights of the run as the bytes of `highlights.mcap`. The same run produces
@@ -49,15 +48,6 @@ impl Source {
     }
 }
 
-/// Builds highlights from the complete recordings in `folder`.
-pub(super) fn build(
-    folder: &Path,
-    plan: &Plan,
-    knowledge: &Knowledge,
-) -> Result<Vec<u8>, RunError> {
-    Material::in_folder(folder, plan, knowledge)?.build()
-}
-
 /// Rejects very large worlds, because highlights draw every cell.
 fn require_few_cells(plan: &Plan) -> Result<(), RunError> {
     match plan.maze.is_vast() {
@@ -76,8 +66,8 @@ pub(super) struct Material {
     folder: PathBuf,
     segments: Vec<Segment>,
     drive: Recording,
-    /// The temporary folder of a repeated trial, which is deleted with this value.
-    _temporary: Option<TempDir>,
+    /// The repeated trial, whose temporary folder is deleted with this value.
+    _again: Option<Again>,
 }
 
 impl Material {
@@ -95,22 +85,16 @@ impl Material {
     /// Runs the trial again, with beams if they were recorded before.
     pub fn again(plan: &Plan, mode: RecordMode) -> Result<Self, RunError> {
         require_few_cells(plan)?;
-        let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
-        let mut trial = Trial::new(plan.clone())?;
-        let (maze, info) = (&trial.plan().maze, run_info(trial.plan()));
-        let mut recorder = Recorder::create(folder.path(), maze, info, mode_for_highlights(mode))?;
-        // The recorder breaks on errors, which `finish` returns.
-        let _ = trial.run(&mut recorder);
-        recorder.finish(trial.method())?;
-        let knowledge = trial.method().knowledge();
-        let material = Self::in_folder(folder.path(), trial.plan(), &knowledge)?;
+        let again = Again::train(plan, mode_for_highlights(mode), &mut ())?;
+        let material = Self::in_folder(again.folder.path(), &again.plan, &again.knowledge)?;
         Ok(Self {
-            _temporary: Some(folder),
+            _again: Some(again),
             ..material
         })
     }
 
-    fn in_folder(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<Self, RunError> {
+    /// Collects the sources from the complete recordings in `folder`.
+    pub fn in_folder(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<Self, RunError> {
         let plan = plan.clone().settled();
         let run = Recording::open(&folder.join(RecordingKind::Run.file_name()))?;
         let temporary = tempfile::tempdir().map_err(RunError::Temporary)?;
@@ -124,18 +108,19 @@ impl Material {
             folder: folder.to_owned(),
             segments: segments(&run)?,
             drive,
-            _temporary: None,
+            _again: None,
         })
     }
 
     /// Creates the builder of the highlights.
     pub fn builder(&self) -> Result<HighlightsBuilder<'_>, RunError> {
-        let (info, senses) = (run_info(&self.plan), self.plan.config.senses());
-        let curve = self.whole_curve()?;
-        let maze = &self.plan.maze;
-        Ok(HighlightsBuilder::new(
-            maze, info, self.mode, curve, senses,
-        )?)
+        let run = ShownRun {
+            maze: &self.plan.maze,
+            info: run_info(&self.plan),
+            mode: self.mode,
+            senses: self.plan.config.senses(),
+        };
+        Ok(HighlightsBuilder::new(run, self.whole_curve()?)?)
     }
 
     /// Returns the number of segments before the drive.
@@ -177,7 +162,8 @@ impl Material {
         Ok(Recording::open(&self.folder.join(file))?)
     }
 
-    fn build(&self) -> Result<Vec<u8>, RunError> {
+    /// Returns the highlights as the bytes of a file.
+    pub fn build(&self) -> Result<Vec<u8>, RunError> {
         let mut builder = self.builder()?;
         for number in 0..self.segments() {
             self.add_segment(number, &mut builder)?;

@@ -6,7 +6,7 @@ use super::folder::RunFolder;
 use super::source::Source;
 use crate::agent::Knowledge;
 use crate::arena::ArenaKind;
-use crate::record::{RecordingKind, RosBag, RosRobot};
+use crate::record::{RecordingKind, RosBag};
 use crate::trial::{Evaluation, Plan, Trial};
 
 impl RunFolder {
@@ -43,20 +43,12 @@ impl Source {
     }
 }
 
-/// Returns the robot of a plan.
-fn robot(plan: &Plan) -> RosRobot {
-    let physics = &plan.config.settings.physics;
-    let has_wheels = plan.config.arena == ArenaKind::Physics;
-    RosRobot {
-        wheel_base_m: has_wheels.then_some(physics.wheel_base_m),
-        lidar: physics.lidar.clone(),
-        range_max_m: physics.lidar.range_m,
-    }
-}
-
 /// Repeats the run, and writes one episode or all.
 fn bag(plan: &Plan, evaluated: Option<&Knowledge>, only: Option<u32>) -> Result<Vec<u8>, RunError> {
-    let mut bag = RosBag::new(only, robot(plan))?;
+    let physics = &plan.config.settings.physics;
+    let has_wheels = plan.config.arena == ArenaKind::Physics;
+    let wheel_base_m = has_wheels.then_some(physics.wheel_base_m);
+    let mut bag = RosBag::new(only, wheel_base_m, physics.lidar.clone())?;
     // The bag breaks on errors, which `finish` returns.
     match evaluated {
         Some(knowledge) => {

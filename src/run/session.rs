@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::error::RunError;
 use super::facts::run_info;
 use super::folder::RunFolder;
-use super::highlights;
+use super::highlights::Material;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::record::player;
@@ -130,38 +130,37 @@ impl Session {
     /// # Errors
     /// [`RunError::Interrupted`] if the run was stopped; otherwise if a file cannot be written.
     pub fn run(
-        mut self,
+        self,
         observer: &mut dyn Observer,
         stop: &dyn Fn() -> bool,
     ) -> Result<Finished, RunError> {
         let folder = self.folder.path().to_owned();
-        let resumable = |error: RunError| error.resumable_in(&folder);
-        self.episodes(observer, stop).map_err(resumable)?;
-        let Self {
-            folder,
-            trial,
-            recorder,
-            steps,
-            ..
-        } = self;
-        let mode = recorder.mode();
-        let recording = recorder.finish(trial.method());
-        let mut recording = recording.map_err(|error| resumable(error.into()))?;
-        let knowledge = trial.method().knowledge();
-        let saved = folder.save_knowledge(&knowledge).map_err(RunError::from);
-        saved.map_err(resumable)?;
-        if matches!(mode, RecordMode::All | RecordMode::Beams) && !trial.plan().maze.is_vast() {
-            let saved = save_highlights(&folder, &trial, &knowledge).map_err(resumable)?;
-            recording.files.push(saved.0);
-            recording.bytes += saved.1;
+        let finished = self.run_to_end(observer, stop);
+        finished.map_err(|error| error.resumable_in(&folder))
+    }
+
+    fn run_to_end(
+        mut self,
+        observer: &mut dyn Observer,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Finished, RunError> {
+        self.episodes(observer, stop)?;
+        let mode = self.recorder.mode();
+        let mut recording = self.recorder.finish(self.trial.method())?;
+        let knowledge = self.trial.method().knowledge();
+        self.folder.save_knowledge(&knowledge)?;
+        let shows_all = matches!(mode, RecordMode::All | RecordMode::Beams);
+        if shows_all && !self.trial.plan().maze.is_vast() {
+            let (path, bytes) = save_highlights(&self.folder, &self.trial, &knowledge)?;
+            recording.files.push(path);
+            recording.bytes += bytes;
         }
-        let ended = folder.remove_checkpoint();
-        ended.map_err(|error| resumable(error.into()))?;
+        self.folder.remove_checkpoint()?;
         Ok(Finished {
-            trial,
-            folder,
+            trial: self.trial,
+            folder: self.folder,
             recording,
-            steps,
+            steps: self.steps,
         })
     }
 
@@ -216,7 +215,7 @@ fn save_highlights(
     trial: &Trial,
     knowledge: &Knowledge,
 ) -> Result<(PathBuf, u64), RunError> {
-    let highlights = highlights::build(folder.path(), trial.plan(), knowledge)?;
+    let highlights = Material::in_folder(folder.path(), trial.plan(), knowledge)?.build()?;
     let saved = folder.save_highlights(&highlights)?;
     let page = player::page(&Recording::from_bytes(&saved.0, highlights)?)?;
     folder.save_page(&page)?;

@@ -2,6 +2,7 @@
 
 use std::io;
 
+use super::contents::{RULES, is_of_a_run};
 use super::error::RunFolderError;
 use super::folder::RunFolder;
 use crate::agent::Knowledge;
@@ -32,15 +33,15 @@ impl RunFolder {
     /// Returns the first file that has the name of a result of this run but was not written by a
     /// run.
     fn foreign_file(&self) -> Result<Option<String>, RunFolderError> {
-        let rules = self.bytes_of(Self::RULES)?;
+        let rules = self.bytes_of(RULES)?;
         if rules.is_some_and(|text| serde_json::from_slice::<Knowledge>(&text).is_err()) {
-            return Ok(Some(Self::RULES.to_owned()));
+            return Ok(Some(RULES.to_owned()));
         }
         for name in self.names()? {
             let path = self.path().join(&name);
-            let is_written = Self::writes(&name) && name.ends_with(".mcap");
-            let is_ours = !is_written
-                || record::is_ours(&path).map_err(|cause| RunFolderError::Io { path, cause })?;
+            let is_written = is_of_a_run(&name) && name.ends_with(".mcap");
+            let is_ours =
+                !is_written || record::is_ours(&path).map_err(RunFolderError::io(&path))?;
             if !is_ours {
                 return Ok(Some(name));
             }
@@ -53,7 +54,7 @@ impl RunFolder {
         match disk::read(&path, disk::MOST_BYTES) {
             Ok(bytes) => Ok(Some(bytes)),
             Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(cause) => Err(RunFolderError::Io { path, cause }),
+            Err(cause) => Err(RunFolderError::io(&path)(cause)),
         }
     }
 }

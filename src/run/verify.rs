@@ -8,7 +8,7 @@ use tempfile::TempDir;
 use super::error::RunError;
 use super::evaluation::record_evaluation;
 use super::facts::run_info;
-use super::highlights;
+use super::highlights::Material;
 use super::source::Source;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
@@ -17,12 +17,12 @@ use crate::trial::{Plan, Trial};
 
 /// A repeated run in a temporary folder, which is deleted with this value.
 pub struct Again {
-    plan: Plan,
+    pub(super) plan: Plan,
     mode: RecordMode,
     is_evaluation: bool,
     /// The learned knowledge at the end.
-    knowledge: Knowledge,
-    folder: TempDir,
+    pub(super) knowledge: Knowledge,
+    pub(super) folder: TempDir,
 }
 
 impl Again {
@@ -32,20 +32,31 @@ impl Again {
     /// If the settings or the world are invalid, or a file cannot be written.
     pub fn new(source: &Source, observer: &mut dyn Observer) -> Result<Self, RunError> {
         let (plan, mode) = (&source.plan, source.mode);
+        let Some(knowledge) = &source.evaluated else {
+            return Self::train(plan, mode, observer);
+        };
         let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
-        if let Some(knowledge) = &source.evaluated {
-            let episodes = plan.config.episodes;
-            record_evaluation(plan, knowledge, episodes, folder.path(), &|| false)?;
-            return Ok(Self {
-                plan: plan.clone(),
-                mode,
-                is_evaluation: true,
-                knowledge: knowledge.clone(),
-                folder,
-            });
-        }
+        let episodes = plan.config.episodes;
+        record_evaluation(plan, knowledge, episodes, folder.path(), &|| false)?;
+        Ok(Self {
+            plan: plan.clone(),
+            mode,
+            is_evaluation: true,
+            knowledge: knowledge.clone(),
+            folder,
+        })
+    }
+
+    /// Runs and records a training.
+    pub(super) fn train(
+        plan: &Plan,
+        mode: RecordMode,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, RunError> {
+        let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
         let mut trial = Trial::new(plan.clone())?;
-        let mut recorder = Recorder::create(folder.path(), &plan.maze, run_info(plan), mode)?;
+        let (maze, info) = (&trial.plan().maze, run_info(trial.plan()));
+        let mut recorder = Recorder::create(folder.path(), maze, info, mode)?;
         // The recorder breaks on errors, which `finish` returns.
         let _ = trial.run(&mut (&mut recorder, observer));
         recorder.finish(trial.method())?;
@@ -75,18 +86,17 @@ impl Again {
         let name = source.extent.file_name();
         let folder = self.folder.path();
         let bytes = match source.extent {
-            RecordingKind::Highlights => highlights::build(folder, &self.plan, &self.knowledge)?,
-            RecordingKind::Run | RecordingKind::Episode(_) | RecordingKind::Comparison => {
-                match fs::read(folder.join(&name)) {
-                    Ok(bytes) => bytes,
-                    Err(cause) if cause.kind() == io::ErrorKind::NotFound => {
-                        let episodes = self.plan.config.episodes;
-                        let fault = format!("a new run of {episodes} episodes produces no {name}");
-                        return Ok(Some(fault));
-                    }
-                    Err(cause) => return Err(RunError::Temporary(cause)),
-                }
+            RecordingKind::Highlights => {
+                Material::in_folder(folder, &self.plan, &self.knowledge)?.build()?
             }
+            _ => match fs::read(folder.join(&name)) {
+                Err(cause) if cause.kind() == io::ErrorKind::NotFound => {
+                    let episodes = self.plan.config.episodes;
+                    let fault = format!("a new run of {episodes} episodes produces no {name}");
+                    return Ok(Some(fault));
+                }
+                bytes => bytes.map_err(RunError::Temporary)?,
+            },
         };
         let difference = record::compare(&source.bytes, &bytes)?;
         Ok(difference.map(|difference| difference.to_string()))

@@ -1,13 +1,12 @@
 //! Builds a highlights recording segment by segment, with captions.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::Path;
 
 use foxglove::messages::{FrameTransform, FrameTransforms};
 use mcap::{McapError, McapResult};
-use serde::Deserialize;
 
-use super::retime::{Tempo, decoded, encoded, retimed};
+use super::retime::{Tempo, retimed};
 use super::segment::Segment;
 use crate::record::error::RecordError;
 use crate::record::info::{RecordingKind, RunInfo};
@@ -15,8 +14,9 @@ use crate::record::layout;
 use crate::record::mode::RecordMode;
 use crate::record::read::reader::Recording;
 use crate::record::topics::caption::Caption;
-use crate::record::topics::{Topic, log, timestamp};
-use crate::record::write::log_file::LogFile;
+use crate::record::topics::episode::Figures;
+use crate::record::topics::{Topic, decoded, encoded, log, timestamp};
+use crate::record::write::log_file::{Facts, LogFile};
 use crate::record::write::sink::Packing;
 use crate::world::Maze;
 
@@ -36,52 +36,60 @@ const DRIVE_NS: u64 = 20_000_000_000;
 /// the number of steps.
 pub(super) const MAX_SHOWN: u64 = 2_000;
 
+/// A run that is shown.
+pub struct ShownRun<'a> {
+    pub maze: &'a Maze,
+    pub info: RunInfo,
+    /// The mode in which the episodes were recorded.
+    pub mode: RecordMode,
+    /// True if the robot estimates its pose.
+    pub senses: bool,
+}
+
+impl ShownRun<'_> {
+    /// Returns world, method, arena, sensor and seed.
+    pub(super) fn heading(&self) -> String {
+        self.info.heading(self.maze.name())
+    }
+
+    /// Returns the topics of the recording.
+    pub(super) fn topics(&self) -> Vec<Topic> {
+        Topic::of_episode(self.senses, false)
+    }
+
+    /// Returns the facts of the run, for its own recording or for a side of a comparison.
+    pub(super) fn facts<'b>(&'b self, side: Option<&'b str>) -> Facts<'b> {
+        Facts {
+            info: &self.info,
+            world: self.maze.name(),
+            mode: self.mode,
+            kind: RecordingKind::Highlights,
+            side,
+        }
+    }
+}
+
 /// Builds a highlights recording in memory, as the packed bytes of its file.
 pub struct HighlightsBuilder<'a> {
     log: LogFile<Vec<u8>>,
-    maze: &'a Maze,
-    info: RunInfo,
-    mode: RecordMode,
-    senses: bool,
+    pub(super) run: ShownRun<'a>,
     /// The learning curve of the whole run, as a message of `/curve`.
     curve: Vec<u8>,
-    heading: String,
     now_ns: u64,
     /// The last pose of each frame.
     frames: BTreeMap<String, FrameTransform>,
     is_begun: bool,
 }
 
-/// The fields of `/episode` that are used here.
-#[derive(Deserialize)]
-struct Figures {
-    outcome: String,
-    steps: Option<u32>,
-    collisions: Option<u32>,
-    shortest: Option<u32>,
-}
-
 impl<'a> HighlightsBuilder<'a> {
-    /// Begins a recording of episodes that were recorded in `mode`. The learning `curve` of the
-    /// whole run is shown from the start. `senses` is true for a robot that estimates its pose.
+    /// Begins a recording. The learning `curve` of the whole run is shown from the start.
     ///
     /// # Errors
     /// If the header cannot be encoded, which is not expected in memory.
-    pub fn new(
-        maze: &'a Maze,
-        info: RunInfo,
-        mode: RecordMode,
-        curve: Vec<u8>,
-        senses: bool,
-    ) -> Result<Self, RecordError> {
-        let log = create_log(maze, &info, mode, senses);
+    pub fn new(run: ShownRun<'a>, curve: Vec<u8>) -> Result<Self, RecordError> {
         Ok(Self {
-            log: log.map_err(write_error)?,
-            maze,
-            heading: info.heading(maze.name()),
-            info,
-            mode,
-            senses,
+            log: create_log(&run).map_err(write_error)?,
+            run,
             curve,
             now_ns: 0,
             frames: BTreeMap::new(),
@@ -125,31 +133,6 @@ impl<'a> HighlightsBuilder<'a> {
     /// If the index cannot be encoded, which is not expected in memory.
     pub fn finish(self) -> Result<Vec<u8>, RecordError> {
         self.log.finish().map_err(write_error)
-    }
-
-    /// Returns the topics of the recording.
-    pub(super) fn topics(&self) -> Vec<Topic> {
-        Topic::of_episode(self.senses, false)
-    }
-
-    /// Returns the mode in which the episodes were recorded.
-    pub(super) fn mode(&self) -> RecordMode {
-        self.mode
-    }
-
-    /// Returns the facts of the run.
-    pub(super) fn info(&self) -> &RunInfo {
-        &self.info
-    }
-
-    /// Returns world, method, arena, sensor and seed.
-    pub(super) fn heading(&self) -> &str {
-        &self.heading
-    }
-
-    /// Returns the maze of the run.
-    pub(super) fn maze(&self) -> &Maze {
-        self.maze
     }
 
     /// Extends the shorter of two recordings with its last poses to the length of the other.
@@ -275,9 +258,9 @@ impl<'a> HighlightsBuilder<'a> {
         let caption = Caption {
             title: title.to_owned(),
             remark: remark.to_owned(),
-            heading: self.heading.clone(),
+            heading: self.run.heading(),
         };
-        let scene = encoded(&caption.scene(self.maze, self.now_ns));
+        let scene = encoded(&caption.scene(self.run.maze, self.now_ns));
         self.write(self.now_ns, Topic::Caption, &scene)
     }
 
@@ -288,21 +271,11 @@ impl<'a> HighlightsBuilder<'a> {
 }
 
 /// Creates a file with everything that precedes the first message.
-fn create_log(
-    maze: &Maze,
-    info: &RunInfo,
-    mode: RecordMode,
-    senses: bool,
-) -> McapResult<LogFile<Vec<u8>>> {
+fn create_log(run: &ShownRun<'_>) -> McapResult<LogFile<Vec<u8>>> {
     let mut log = LogFile::new(Vec::new(), Packing::Small)?;
-    log.metadata(
-        "run",
-        info.metadata(maze.name(), mode, RecordingKind::Highlights),
-    )?;
-    log.attach("world.json", 0, &info.world_json)?;
-    log.attach("config.json", 0, &info.config_json)?;
-    log.attach("foxglove-layout.json", 0, &layout::of_episode(maze))?;
-    log.declare(RecordingKind::Highlights, &Topic::of_episode(senses, false))?;
+    log.facts(&run.facts(None), 0)?;
+    log.attach("foxglove-layout.json", 0, &layout::of_episode(run.maze))?;
+    log.declare(RecordingKind::Highlights, &run.topics())?;
     Ok(log)
 }
 
@@ -353,8 +326,5 @@ fn result(figures: &Figures) -> String {
 }
 
 pub(super) fn write_error(cause: McapError) -> RecordError {
-    RecordError::Write {
-        path: PathBuf::from(RecordingKind::Highlights.file_name()),
-        cause: cause.to_string(),
-    }
+    RecordError::write(Path::new(&RecordingKind::Highlights.file_name()))(cause)
 }

@@ -6,7 +6,6 @@ mod comparison;
 mod retime;
 mod segment;
 
-pub use builder::HighlightsBuilder;
+pub use builder::{HighlightsBuilder, ShownRun};
 pub use comparison::{Comparison, compare_highlights};
-pub(super) use retime::decoded;
 pub use segment::{Segment, segments};

@@ -2,10 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use foxglove::messages::{FrameTransform, FrameTransforms, LaserScan, Log, SceneUpdate, Timestamp};
-use foxglove::{Decode, Encode};
+use foxglove::messages::FrameTransforms;
 
-use crate::record::topics::{Message, Topic, timestamp};
+use crate::record::topics::{Topic, WellKnown, nanoseconds, timestamp};
 
 /// The minimum time between two poses of a frame on the clock of the highlights recording.
 const POSE_PERIOD_NS: u64 = 50_000_000;
@@ -42,44 +41,27 @@ impl Tempo {
     pub fn end_ns(&self) -> u64 {
         self.begin_ns + self.shown_ns
     }
-
-    fn stamp(&self, stamp: &mut Option<Timestamp>) {
-        if let Some(time) = stamp {
-            let time_ns = u64::from(time.sec()) * 1_000_000_000 + u64::from(time.nsec());
-            *time = timestamp(self.at(time_ns));
-        }
-    }
 }
 
 /// Returns the message at its new time; `Err` describes its fault.
 pub fn retimed(topic: Topic, data: &[u8], tempo: &Tempo) -> Result<Vec<u8>, String> {
-    match topic.message() {
-        Message::Frames => Ok(encoded(&frames(data, tempo)?)),
-        Message::Scene => {
-            let mut scene: SceneUpdate = decoded(data)?;
-            for entity in &mut scene.entities {
-                tempo.stamp(&mut entity.timestamp);
-            }
-            Ok(encoded(&scene))
-        }
-        Message::Scan => {
-            let mut scan: LaserScan = decoded(data)?;
-            tempo.stamp(&mut scan.timestamp);
-            Ok(encoded(&scan))
-        }
-        Message::Log => {
-            let mut line: Log = decoded(data)?;
-            tempo.stamp(&mut line.timestamp);
-            if tempo.episode.is_some() {
-                line.message = line.message.replacen("episode 1 ", "the last drive ", 1);
-            }
-            Ok(encoded(&line))
-        }
-        Message::Own(_) => match tempo.episode {
+    let Some(mut message) = WellKnown::decode(topic, data)? else {
+        return match tempo.episode {
             Some(episode) => renumbered(data, episode).map_err(|fault| fault.to_string()),
             None => Ok(data.to_vec()),
-        },
+        };
+    };
+    for time in message.times() {
+        *time = timestamp(tempo.at(nanoseconds(*time)));
     }
+    match &mut message {
+        WellKnown::Frames(frames) => thin_out(frames),
+        WellKnown::Log(line) if tempo.episode.is_some() => {
+            line.message = line.message.replacen("episode 1 ", "the last drive ", 1);
+        }
+        _ => {}
+    }
+    Ok(message.encode())
 }
 
 /// Returns a JSON message with another episode number.
@@ -91,18 +73,16 @@ fn renumbered(data: &[u8], episode: u32) -> serde_json::Result<Vec<u8>> {
     serde_json::to_vec(&fields)
 }
 
-/// Returns the frames of a message without poses that are too close in time.
-fn frames(data: &[u8], tempo: &Tempo) -> Result<FrameTransforms, String> {
-    let mut message: FrameTransforms = decoded(data)?;
-    let mut last: BTreeMap<String, usize> = BTreeMap::new();
-    for (at, frame) in message.transforms.iter_mut().enumerate() {
-        tempo.stamp(&mut frame.timestamp);
-        last.insert(frame.child_frame_id.clone(), at);
-    }
+/// Removes poses that are too close in time. The last one of each frame stays.
+fn thin_out(message: &mut FrameTransforms) {
+    let numbered = message.transforms.iter().enumerate();
+    let last: BTreeMap<String, usize> = numbered
+        .map(|(at, frame)| (frame.child_frame_id.clone(), at))
+        .collect();
     let mut kept_ns: BTreeMap<String, u64> = BTreeMap::new();
     let mut at = 0..;
     message.transforms.retain(|frame| {
-        let now_ns = time_ns(frame);
+        let now_ns = frame.timestamp.map_or(0, nanoseconds);
         let is_last = last.get(&frame.child_frame_id) == at.next().as_ref();
         let before = kept_ns.get(&frame.child_frame_id);
         let is_due = before.is_none_or(|before| now_ns >= before + POSE_PERIOD_NS);
@@ -111,26 +91,6 @@ fn frames(data: &[u8], tempo: &Tempo) -> Result<FrameTransforms, String> {
         }
         is_due || is_last
     });
-    Ok(message)
-}
-
-fn time_ns(frame: &FrameTransform) -> u64 {
-    let stamp = frame.timestamp.unwrap_or(timestamp(0));
-    u64::from(stamp.sec()) * 1_000_000_000 + u64::from(stamp.nsec())
-}
-
-/// Decodes a message; `Err` describes the fault.
-pub fn decoded<M: Decode>(data: &[u8]) -> Result<M, String> {
-    M::decode(data).map_err(|fault| fault.to_string())
-}
-
-/// Encodes a message.
-pub fn encoded(message: &impl Encode) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    message
-        .encode(&mut bytes)
-        .expect("a vector has room for any message");
-    bytes
 }
 
 #[cfg(test)]

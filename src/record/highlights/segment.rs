@@ -3,14 +3,13 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
-use foxglove::Decode;
 use foxglove::messages::{Point3, SceneUpdate};
-use serde::Deserialize;
 
 use crate::record::error::RecordError;
 use crate::record::read::reader::{Message, Recording};
-use crate::record::topics::Topic;
+use crate::record::topics::episode::Figures;
 use crate::record::topics::policy::ARROW_CORNERS;
+use crate::record::topics::{Topic, decoded};
 
 /// The number of episodes that are shown because they changed the policy most.
 const MAX_CHANGES: usize = 3;
@@ -68,14 +67,6 @@ struct Ended {
     changed: usize,
 }
 
-/// The fields of `/episode` that are used here.
-#[derive(Deserialize)]
-struct Figures {
-    episode: u32,
-    outcome: String,
-    optimal: bool,
-}
-
 /// Returns the turning points of a run from its `run.mcap`, in order of time.
 ///
 /// # Errors
@@ -115,8 +106,7 @@ struct Policy {
 
 impl Policy {
     fn see(&mut self, run: &Recording, message: &Message) -> Result<(), RecordError> {
-        let scene = SceneUpdate::decode(message.data.as_slice())
-            .map_err(|fault| run.damaged(fault.to_string()))?;
+        let scene: SceneUpdate = decoded(&message.data).map_err(|fault| run.damaged(fault))?;
         let lists = scene.entities.iter().flat_map(|entity| &entity.triangles);
         let arrows = lists.flat_map(|list| list.points.chunks_exact(ARROW_CORNERS));
         let arrows: BTreeSet<_> = arrows.map(corner_bits).collect();

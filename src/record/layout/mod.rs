@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::json::json_tree;
 
-use crate::record::topics::{caption, legend};
+use crate::record::topics::{caption, legend, size_m};
 use crate::world::Maze;
 
 const EPISODE: &str = include_str!("episode.json");
@@ -35,7 +35,7 @@ pub fn of_run(maze: &Maze) -> String {
 }
 
 /// Returns the layout for a comparison of two runs with these mazes and headings, as compact JSON.
-pub(crate) fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
+pub(crate) fn of_comparison(mazes: [&Maze; 2], headings: &[String; 2]) -> String {
     let mut layout: Value =
         serde_json::from_str(COMPARISON).expect("the layouts beside this file are JSON");
     for (side, (maze, heading)) in SIDES.iter().zip(mazes.into_iter().zip(headings)) {
@@ -45,9 +45,7 @@ pub(crate) fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
             "{}: {heading} (ellipses 10 times as large)",
             side.to_uppercase()
         );
-        for key in ["foxglovePanelTitle", "lichtblickPanelTitle"] {
-            panel[key] = json!(title);
-        }
+        name(panel, &title);
     }
     layout.to_string()
 }
@@ -83,9 +81,7 @@ fn follow(layout: &mut Value, maze: &Maze) {
     // The size of its letters fits the view of the whole maze.
     panel["topics"]["/scene/rule"]["visible"] = json!(false);
     panel["topics"]["/scene/policy"]["visible"] = json!(true);
-    for key in ["foxglovePanelTitle", "lichtblickPanelTitle"] {
-        panel[key] = json!("Around the robot");
-    }
+    name(&mut panel, "Around the robot");
     layout["configById"]["3D!follow"] = panel;
     // There is less room for the whole maze next to the second panel.
     let whole = &mut layout["configById"]["3D!main"]["cameraState"]["distance"];
@@ -99,13 +95,18 @@ fn follow(layout: &mut Value, maze: &Maze) {
     });
 }
 
+/// Sets the title of a panel.
+fn name(panel: &mut Value, title: &str) {
+    for key in ["foxglovePanelTitle", "lichtblickPanelTitle"] {
+        panel[key] = json!(title);
+    }
+}
+
 /// Places the camera so that a panel slightly wider than high shows the whole maze and its caption.
 fn aim(camera: &mut Value, maze: &Maze) {
     let unit = maze.cell_size_m();
-    let (wide, high) = (
-        f64::from(maze.width()) * unit,
-        f64::from(maze.height()) * unit + caption::height_m(maze) + legend::height_m(maze),
-    );
+    let [wide, rows_m] = size_m(maze);
+    let high = rows_m + caption::height_m(maze) + legend::height_m(maze);
     // Half the field of view is 22.5 degrees, and the maze fills nine tenths of it: K is the
     // tangent. The camera is tilted by 30 degrees, with cosine C and sine S. It looks at the point
     // from which the legend at the southern edge and the caption appear equally far.

@@ -4,13 +4,12 @@ use foxglove::messages::{FrameTransform, FrameTransforms, SceneUpdate};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::shapes::{Scene, thousandths};
+use super::shapes::Scene;
 use crate::picture::{NO_GOAL, SCALE};
-use crate::record::highlights::decoded;
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::percept::KINDS;
 use crate::record::topics::rays::BEAM;
-use crate::record::topics::{Caption, ESTIMATE, ROBOT};
+use crate::record::topics::{Caption, ESTIMATE, ROBOT, decimal, decoded, nanoseconds};
 use crate::record::{RecordError, RobotShape, Topic};
 use crate::world::{Cell, Maze};
 use xcs::Action;
@@ -19,7 +18,7 @@ use xcs::Action;
 pub type Timed = Map<String, Value>;
 
 /// All data that the page shows. Lists are in order of time.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub struct Data {
     heading: String,
     /// The result of the last episode.
@@ -62,7 +61,7 @@ pub struct Data {
 }
 
 /// The maze as seen from above.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub struct World {
     pub width: u16,
     height: u16,
@@ -136,8 +135,6 @@ impl Data {
         Self {
             heading,
             below,
-            result: String::new(),
-            end: 0.0,
             world: World::of(maze),
             actions: Action::all(maze.action_count())
                 .map(|action| maze.action_name(action))
@@ -145,20 +142,8 @@ impl Data {
             robot_radius_m: RobotShape::for_cell(maze.cell_size_m()).radius_m,
             arrow_colours: [SCALE[0], SCALE[2], NO_GOAL].map(css),
             percept_colours: [KINDS[0], KINDS[1], BEAM].map(css),
-            poses: Vec::new(),
-            mistakes: Vec::new(),
-            estimates: Vec::new(),
-            decisions: Vec::new(),
-            episodes: Vec::new(),
-            begins: Vec::new(),
-            contacts: Vec::new(),
             curve: json!({ "episode": [], "steps": [] }),
-            captions: Vec::new(),
-            segments: Vec::new(),
-            scenes: Scenes::default(),
-            cells: Vec::new(),
-            steps: Vec::new(),
-            from_ns: None,
+            ..Self::default()
         }
     }
 
@@ -203,7 +188,7 @@ impl Data {
     /// Returns the time since the first message, in seconds.
     fn seconds(&mut self, time_ns: u64) -> f64 {
         let from_ns = *self.from_ns.get_or_insert(time_ns);
-        thousandths(time_ns.saturating_sub(from_ns) as f64 / 1e9)
+        decimal(time_ns.saturating_sub(from_ns) as f64 / 1e9)
     }
 
     /// Stores the robot's poses and its estimated poses.
@@ -219,13 +204,11 @@ impl Data {
     }
 
     fn pose(&mut self, frame: &FrameTransform) -> [f64; 4] {
-        let time_ns = frame.timestamp.map_or(0, |stamp| {
-            u64::from(stamp.sec()) * 1_000_000_000 + u64::from(stamp.nsec())
-        });
+        let time_ns = frame.timestamp.map_or(0, nanoseconds);
         let at = frame.translation.unwrap_or_default();
         let turned = frame.rotation.unwrap_or_default();
         let yaw_rad = 2.0 * libm::atan2(turned.z, turned.w);
-        [self.seconds(time_ns), at.x, at.y, yaw_rad].map(thousandths)
+        [self.seconds(time_ns), at.x, at.y, yaw_rad].map(decimal)
     }
 
     /// Sets the robot's radius to that of its widest part.
@@ -234,7 +217,7 @@ impl Data {
         let widths = parts.filter_map(|part| Some(part.size?.x / 2.0));
         let widest = widths.fold(0.0, f64::max);
         if widest > 0.0 {
-            self.robot_radius_m = thousandths(widest);
+            self.robot_radius_m = decimal(widest);
         }
     }
 
@@ -245,7 +228,7 @@ impl Data {
         let number = |key: &str| u16::try_from(step.get(key)?.as_u64()?).ok();
         if let Some((col, row)) = number("col").zip(number("row")) {
             let at = maze.centre_m(Cell { col, row });
-            self.cells.push([t, at.x, at.y, 0.0].map(thousandths));
+            self.cells.push([t, at.x, at.y, 0.0].map(decimal));
         }
         // The values of a reason are shares of the goal's reward. Readers compare the values
         // themselves.

@@ -5,7 +5,7 @@ use foxglove::messages::{
 };
 use serde::Serialize;
 
-use crate::record::topics::WORLD;
+use crate::record::topics::{WORLD, decimal};
 
 /// The scene of a topic from a time on.
 #[derive(Debug, Serialize)]
@@ -95,12 +95,7 @@ fn indexed(points: &[Point3], indices: &[u32]) -> Vec<Point3> {
 fn flat(points: &[Point3], pose: Option<&Pose>) -> Vec<f64> {
     let by = pose.and_then(|pose| pose.position).unwrap_or_default();
     let both = points.iter().flat_map(|at| [at.x + by.x, at.y + by.y]);
-    both.map(thousandths).collect()
-}
-
-/// Rounds a number to three decimals.
-pub fn thousandths(number: f64) -> f64 {
-    (number * 1000.0).round() / 1000.0 + 0.0
+    both.map(decimal).collect()
 }
 
 fn css(color: Option<&Color>) -> String {

@@ -99,13 +99,7 @@ impl TextPlayer {
         });
         let decision = last(&data.decisions, t_s).filter(|one| time_s(one) >= begun_s);
         let Some(decision) = decision else {
-            return [
-                episode,
-                String::new(),
-                String::new(),
-                String::new(),
-                String::new(),
-            ];
+            return [&episode, "", "", "", ""].map(str::to_owned);
         };
         let (step, action) = (decision.get("step"), text(decision, "action"));
         let step = step.unwrap_or(&Value::Null);

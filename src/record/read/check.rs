@@ -18,8 +18,8 @@ use crate::world::Maze;
 const MAX_GAP_NS: u64 = 2_000_000_000;
 /// The attachments of every recording.
 const ATTACHED: [&str; 2] = ["world.json", "config.json"];
-/// The additional attachments of run and highlights recordings.
-const ATTACHED_TO_RUN: [&str; 1] = ["foxglove-layout.json"];
+/// The additional attachment of all recordings but those of single episodes.
+const LAYOUT: &str = "foxglove-layout.json";
 
 /// The maximum number of listed faults: a small file can contain hundreds of thousands.
 const MAX_LISTED: usize = 1_000;
@@ -94,9 +94,26 @@ fn finding(kind: FindingKind, what: String) -> Finding {
     Finding { kind, what }
 }
 
+/// Returns the prefixes of attachments and topics: one for each side of a comparison, and otherwise
+/// an empty one.
+fn sides(recording: &Recording) -> Vec<String> {
+    match recording.extent() {
+        Some(RecordingKind::Comparison) => layout::SIDES.map(|side| format!("{side}/")).to_vec(),
+        _ => vec![String::new()],
+    }
+}
+
 fn check_facts(recording: &Recording, findings: &mut Vec<Finding>) {
-    for name in &attachments(recording.extent()) {
-        let data = recording.attachment(name);
+    let mut names: Vec<String> = Vec::new();
+    for side in sides(recording) {
+        names.extend(ATTACHED.map(|name| format!("{side}{name}")));
+    }
+    let kind = recording.extent();
+    if kind.is_some_and(|kind| kind.episode().is_none()) {
+        names.push(LAYOUT.to_owned());
+    }
+    for name in names {
+        let data = recording.attachment(&name);
         let what = match data.map(serde_json::from_slice::<serde::de::IgnoredAny>) {
             None => format!("the attachment {name} is missing"),
             Some(Err(error)) => format!("the attachment {name} is not JSON: {error}"),
@@ -110,58 +127,34 @@ fn check_facts(recording: &Recording, findings: &mut Vec<Finding>) {
     }
 }
 
-/// Returns the names of the attachments of this kind of recording.
-fn attachments(kind: Option<RecordingKind>) -> Vec<String> {
-    let below = |side: &str| ATTACHED.map(|name| format!("{side}{name}"));
-    let facts = match kind {
-        Some(RecordingKind::Comparison) => layout::SIDES
-            .map(|side| below(&format!("{side}/")))
-            .concat(),
-        _ => below("").to_vec(),
-    };
-    let of_run: &[&str] = match kind {
-        Some(RecordingKind::Run | RecordingKind::Highlights | RecordingKind::Comparison) => {
-            &ATTACHED_TO_RUN
-        }
-        _ => &[],
-    };
-    let of_run = of_run.iter().map(|name| (*name).to_owned());
-    facts.into_iter().chain(of_run).collect()
-}
-
 /// Returns the topic without the prefix of its side in a comparison.
 fn plain(topic: &str) -> &str {
-    let sides = layout::SIDES.iter();
-    let mut stripped = sides.filter_map(|side| topic.strip_prefix('/')?.strip_prefix(side));
-    let stripped = stripped.find(|rest| rest.starts_with('/'));
-    stripped.unwrap_or(topic)
+    let below = |side: &&str| {
+        let rest = topic.strip_prefix('/')?.strip_prefix(*side)?;
+        rest.starts_with('/').then_some(rest)
+    };
+    layout::SIDES.iter().find_map(below).unwrap_or(topic)
 }
 
 fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
-    // A recording without a kind is checked as an episode.
-    let kind = recording.extent().unwrap_or(RecordingKind::Episode(1));
-    if kind != RecordingKind::Comparison {
-        return check_side("", kind, recording, findings);
-    }
-    for side in layout::SIDES {
-        check_side(
-            &format!("/{side}"),
-            RecordingKind::Highlights,
-            recording,
-            findings,
-        );
+    let kind = match recording.extent() {
+        Some(RecordingKind::Comparison) => RecordingKind::Highlights,
+        // A recording without a kind is checked as an episode.
+        kind => kind.unwrap_or(RecordingKind::Episode(1)),
+    };
+    for side in sides(recording) {
+        check_side(&side, kind, recording, findings);
     }
 }
 
 /// Returns whether the robot estimates its pose, and whether its lidar beams are recorded. The
 /// source is the facts of the recording, or of a side of a comparison.
 fn sensing(side: &str, recording: &Recording) -> [bool; 2] {
-    let side = side.trim_start_matches('/');
-    let (config, facts) = match side {
-        "" => ("config.json".to_owned(), "run"),
-        side => (format!("{side}/config.json"), side),
+    let facts = match side.trim_end_matches('/') {
+        "" => "run",
+        side => side,
     };
-    let config = recording.attachment(&config);
+    let config = recording.attachment(&format!("{side}config.json"));
     let config: Option<Config> = config.and_then(|text| serde_json::from_slice(text).ok());
     let mode = recording
         .metadata(facts)
@@ -180,15 +173,14 @@ fn check_side(side: &str, kind: RecordingKind, recording: &Recording, findings: 
         Topic::of_episode(senses, beams && kind != RecordingKind::Highlights)
     };
     for topic in expected {
-        let name = format!("{side}{}", topic.name());
+        let name = topic.name().replacen('/', &format!("/{side}"), 1);
         let schema = topic.schema(kind);
-        let what = match present.iter().find(|found| found.name == name) {
+        let found = present.iter().find(|found| found.name == name);
+        let what = match found {
             None => format!("the topic {name} is missing"),
             Some(found) if found.schema != schema.name => {
-                format!(
-                    "{name} has the schema `{}`, expected `{}`",
-                    found.schema, schema.name
-                )
+                let (found, expected) = (&found.schema, &schema.name);
+                format!("{name} has the schema `{found}`, expected `{expected}`")
             }
             Some(found) if found.schema_data != *schema.data => {
                 format!("{name} has another version of the schema `{}`", schema.name)
@@ -287,7 +279,7 @@ fn check_layout(recording: &Recording, findings: &mut Vec<Finding>) {
 
 /// Returns the layout for a recording, if its world can be read.
 fn layout_of(recording: &Recording) -> Option<Vec<u8>> {
-    if let Some(attached) = recording.attachment("foxglove-layout.json") {
+    if let Some(attached) = recording.attachment(LAYOUT) {
         return Some(attached.to_vec());
     }
     let world = recording.attachment("world.json")?;

@@ -23,16 +23,22 @@ pub struct Difference {
     pub second: String,
 }
 
-impl fmt::Display for Difference {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let seconds = self.time_ns as f64 / 1e9;
-        let Self {
-            topic,
-            field,
+impl Difference {
+    fn new(time_ns: u64, topic: &str, field: &str, [first, second]: [String; 2]) -> Self {
+        Self {
+            time_ns,
+            topic: topic.to_owned(),
+            field: field.to_owned(),
             first,
             second,
-            ..
-        } = self;
+        }
+    }
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (seconds, topic, field) = (self.time_ns as f64 / 1e9, &self.topic, &self.field);
+        let (first, second) = (&self.first, &self.second);
         write!(
             f,
             "at {seconds} s, {topic}, {field}: {first} against {second}"
@@ -56,28 +62,31 @@ pub fn compare(first: &[u8], second: &[u8]) -> Result<Option<Difference>, Record
     }
     Ok(Some(match messages(&a, &b)? {
         Some(difference) => difference,
-        None => bytes(0, "file".to_owned(), first, second),
+        None => bytes(0, "file", first, second),
     }))
 }
 
 fn facts(a: &Recording, b: &Recording) -> Option<Difference> {
+    let both = [a, b];
     if a.metadata("run") != b.metadata("run") {
-        let show = |one: &Recording| format!("{:?}", one.metadata("run"));
-        return Some(other("metadata", "run", show(a), show(b)));
+        let run = both.map(|one| format!("{:?}", one.metadata("run")));
+        return Some(Difference::new(0, "metadata", "run", run));
     }
-    let names = |one: &Recording| {
-        let names: Vec<_> = one.attachments().iter().map(|x| x.name.clone()).collect();
-        names.join(" ")
-    };
-    if names(a) != names(b) {
-        return Some(other("attachments", "names", names(a), names(b)));
+    let names = both.map(|one| {
+        let names = one.attachments().iter().map(|one| one.name.as_str());
+        names.collect::<Vec<_>>().join(" ")
+    });
+    if names[0] != names[1] {
+        return Some(Difference::new(0, "attachments", "names", names));
     }
-    let pairs = a.attachments().iter().zip(b.attachments());
-    let mut unequal = pairs.filter(|(x, y)| x != y);
-    unequal.next().map(|(x, y)| {
-        let topic = format!("attachment {}", x.name);
-        bytes(0, topic, &x.data, &y.data)
-    })
+    let mut pairs = a.attachments().iter().zip(b.attachments());
+    let (x, y) = pairs.find(|(x, y)| x != y)?;
+    Some(bytes(
+        0,
+        &format!("attachment {}", x.name),
+        &x.data,
+        &y.data,
+    ))
 }
 
 fn messages(a: &Recording, b: &Recording) -> Result<Option<Difference>, RecordError> {
@@ -97,88 +106,53 @@ fn messages(a: &Recording, b: &Recording) -> Result<Option<Difference>, RecordEr
 
 /// Returns the difference if one recording lacks a message or has it at another time.
 fn missing(x: Option<&Message>, y: Option<&Message>) -> Difference {
-    let show = |one: Option<&Message>| match one {
+    let shown = [x, y].map(|one| match one {
         Some(message) => format!("{} at {} ns", message.topic(), message.time_ns),
         None => "the end".to_owned(),
-    };
-    let earliest = [x, y]
-        .into_iter()
-        .flatten()
-        .min_by_key(|message| message.time_ns);
-    Difference {
-        time_ns: earliest.map_or(0, |message| message.time_ns),
-        topic: earliest.map_or_else(String::new, |message| message.topic().to_owned()),
-        field: "next message".to_owned(),
-        first: show(x),
-        second: show(y),
-    }
+    });
+    let both = [x, y].into_iter().flatten();
+    let earliest = both.min_by_key(|message| message.time_ns);
+    let (time_ns, topic) = earliest.map_or((0, ""), |one| (one.time_ns, one.topic()));
+    Difference::new(time_ns, topic, "next message", shown)
 }
 
 /// Returns the difference between two messages on the same topic at the same time.
 fn within(x: &Message, y: &Message) -> Difference {
     let found = x.json().zip(y.json());
-    let found = found.and_then(|(a, b)| field(&a, &b, String::new()));
-    match found {
-        Some((field, first, second)) => Difference {
-            time_ns: x.time_ns,
-            topic: x.topic().to_owned(),
-            field,
-            first,
-            second,
-        },
-        None => bytes(x.time_ns, x.topic().to_owned(), &x.data, &y.data),
+    match found.and_then(|(a, b)| field(&a, &b, String::new())) {
+        Some((field, values)) => Difference::new(x.time_ns, x.topic(), &field, values),
+        None => bytes(x.time_ns, x.topic(), &x.data, &y.data),
     }
 }
 
 /// Returns the path of the first field that differs, with both values.
-fn field(a: &Value, b: &Value, path: String) -> Option<(String, String, String)> {
+fn field(a: &Value, b: &Value, path: String) -> Option<(String, [String; 2])> {
     match (a, b) {
         (Value::Object(x), Value::Object(y)) => {
             let keys = x.keys().chain(y.keys().filter(|key| !x.contains_key(*key)));
             keys.into_iter().find_map(|key| {
-                let path = if path.is_empty() {
-                    key.clone()
-                } else {
-                    format!("{path}.{key}")
+                let path = match path.is_empty() {
+                    true => key.clone(),
+                    false => format!("{path}.{key}"),
                 };
-                field(
-                    x.get(key).unwrap_or(&Value::Null),
-                    y.get(key).unwrap_or(&Value::Null),
-                    path,
-                )
+                field(&a[key], &b[key], path)
             })
         }
         (Value::Array(x), Value::Array(y)) if x.len() == y.len() => {
             let mut pairs = x.iter().zip(y).enumerate();
             pairs.find_map(|(i, (x, y))| field(x, y, format!("{path}[{i}]")))
         }
-        _ => (a != b).then(|| (path, a.to_string(), b.to_string())),
+        _ => (a != b).then(|| (path, [a.to_string(), b.to_string()])),
     }
 }
 
-fn bytes(time_ns: u64, topic: String, a: &[u8], b: &[u8]) -> Difference {
+fn bytes(time_ns: u64, topic: &str, a: &[u8], b: &[u8]) -> Difference {
     let same = a.iter().zip(b).take_while(|(x, y)| x == y).count();
-    let show = |bytes: &[u8]| match bytes.get(same) {
+    let shown = [a, b].map(|bytes| match bytes.get(same) {
         Some(byte) => format!("{byte:#04x}"),
         None => "the end".to_owned(),
-    };
-    Difference {
-        time_ns,
-        topic,
-        field: format!("byte {same}"),
-        first: show(a),
-        second: show(b),
-    }
-}
-
-fn other(topic: &str, field: &str, first: String, second: String) -> Difference {
-    Difference {
-        time_ns: 0,
-        topic: topic.to_owned(),
-        field: field.to_owned(),
-        first,
-        second,
-    }
+    });
+    Difference::new(time_ns, topic, &format!("byte {same}"), shown)
 }
 
 #[cfg(test)]
@@ -191,19 +165,19 @@ mod tests {
         let a = json!({"a": 1, "value": [1.0, 2.0]});
         let b = json!({"a": 1, "value": [1.0, 2.5]});
         let found = field(&a, &b, String::new()).unwrap();
-        assert_eq!(found, ("value[1]".into(), "2.0".into(), "2.5".into()));
+        assert_eq!(found, ("value[1]".into(), ["2.0".into(), "2.5".into()]));
         assert_eq!(field(&a, &a, String::new()), None);
     }
 
     #[test]
     fn a_field_that_one_side_lacks_differs() {
         let found = field(&json!({}), &json!({"b": true}), String::new()).unwrap();
-        assert_eq!(found, ("b".into(), "null".into(), "true".into()));
+        assert_eq!(found, ("b".into(), ["null".into(), "true".into()]));
     }
 
     #[test]
     fn bytes_that_end_early_differ_at_their_end() {
-        let found = bytes(7, "/tf".into(), &[1, 2], &[1, 2, 3]);
+        let found = bytes(7, "/tf", &[1, 2], &[1, 2, 3]);
         assert_eq!(
             (found.field.as_str(), found.first.as_str()),
             ("byte 2", "the end")

@@ -2,8 +2,8 @@
 
 mod check;
 mod compare;
-pub(super) mod parse;
 pub mod reader;
+pub(super) mod records;
 
 pub use check::{Finding, FindingKind, check};
 pub use compare::{Difference, compare};

@@ -1,22 +1,20 @@
 //! Reading recordings back.
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use mcap::records::{Record, op};
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::records::Record;
+use mcap::sans_io::linear_reader::LinearReaderOptions;
 use mcap::{MAGIC, McapError, McapResult, MessageStream, Summary};
 use serde::Serialize;
 
-use super::parse::parse_record;
+use super::records::{Records, for_each_record, unpacked_size};
 use crate::disk;
 use crate::record::error::RecordError;
 use crate::record::info::{EVALUATION, KIND, RecordingKind};
 use crate::record::json::json_tree;
-
-/// The number of bytes of the opcode and the length before each record.
-pub(in crate::record) const HEAD_BYTES: usize = 9;
 
 /// A recording in memory with valid checksums.
 #[derive(Debug, Clone)]
@@ -91,10 +89,7 @@ impl Recording {
     /// # Errors
     /// [`RecordError::Read`] if the file cannot be read; otherwise as for [`Self::from_bytes`].
     pub fn open(path: &Path) -> Result<Self, RecordError> {
-        let bytes = disk::read(path, disk::MOST_BYTES).map_err(|cause| RecordError::Read {
-            path: path.to_owned(),
-            cause,
-        })?;
+        let bytes = disk::read(path, disk::MOST_BYTES).map_err(RecordError::read(path))?;
         Self::from_bytes(path, bytes)
     }
 
@@ -105,34 +100,25 @@ impl Recording {
     /// bytes are not an MCAP file. [`RecordError::Damaged`] if the file is incomplete or a checksum
     /// is wrong.
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, RecordError> {
-        if path
-            .extension()
-            .is_some_and(|extension| extension == "part")
-        {
-            return Err(RecordError::Unfinished {
-                path: path.to_owned(),
-            });
+        let file = path.to_owned();
+        if path.extension().is_some_and(|end| end == "part") {
+            return Err(RecordError::Unfinished { path: file });
         }
         if !bytes.starts_with(MAGIC) {
-            return Err(RecordError::Foreign {
-                path: path.to_owned(),
-            });
+            return Err(RecordError::Foreign { path: file });
         }
         check_unpacked(path, &bytes)?;
-        let damaged = |cause: McapError| RecordError::Damaged {
-            path: path.to_owned(),
-            cause: cause.to_string(),
-        };
+        let damaged = RecordError::damaged(path);
         let mut recording = Self {
-            path: path.to_owned(),
+            path: file,
             summary: Summary::default(),
             attachments: Vec::new(),
             metadata: BTreeMap::new(),
             counts: BTreeMap::new(),
             bytes: Vec::new(),
         };
-        recording.scan(&bytes).map_err(damaged)?;
-        let summary = Summary::read(&bytes).map_err(damaged)?;
+        recording.scan(&bytes).map_err(&damaged)?;
+        let summary = Summary::read(&bytes).map_err(&damaged)?;
         recording.summary = summary.ok_or_else(|| damaged(McapError::BadFooter))?;
         recording.bytes = bytes;
         Ok(recording)
@@ -142,26 +128,19 @@ impl Recording {
     fn scan(&mut self, bytes: &[u8]) -> McapResult<()> {
         let options = LinearReaderOptions::default()
             .with_check_finishes_after_end_magic(true)
-            .with_prevalidate_chunk_crcs(true)
             .with_validate_data_section_crc(true)
-            .with_validate_summary_section_crc(true)
-            .with_record_length_limit(longest_record(bytes.len() as u64));
-        let mut reader = LinearReader::new_with_options(options);
-        let mut rest = bytes;
-        while let Some(event) = reader.next_event() {
-            match event? {
-                LinearReadEvent::ReadRequest(wanted) => {
-                    let (now, later) = rest.split_at(wanted.min(rest.len()));
-                    reader.insert(now.len()).copy_from_slice(now);
-                    reader.notify_read(now.len());
-                    rest = later;
-                }
-                LinearReadEvent::Record { opcode, data } => {
-                    self.keep(parse_record(opcode, data)?);
-                }
-            }
-        }
-        Ok(())
+            .with_validate_summary_section_crc(true);
+        let size = bytes.len() as u64;
+        for_each_record(
+            bytes,
+            size,
+            options,
+            |fault| fault,
+            |record| {
+                self.keep(record);
+                Ok(ControlFlow::Continue(()))
+            },
+        )
     }
 
     fn keep(&mut self, record: Record<'_>) {
@@ -183,10 +162,7 @@ impl Recording {
 
     /// Returns the error that the recording is damaged, with this cause.
     pub(in crate::record) fn damaged(&self, cause: String) -> RecordError {
-        RecordError::Damaged {
-            path: self.path.clone(),
-            cause,
-        }
+        RecordError::damaged(&self.path)(cause)
     }
 
     /// Returns the name under which the recording was opened.
@@ -219,22 +195,18 @@ impl Recording {
 
     /// Returns all messages in the order of the file, which is the order of time.
     pub fn messages(&self) -> impl Iterator<Item = Result<Message, RecordError>> + '_ {
-        let stream = MessageStream::new(&self.bytes);
-        let (stream, failed) = match stream {
+        let (stream, failed) = match MessageStream::new(&self.bytes) {
             Ok(stream) => (Some(stream), None),
             Err(error) => (None, Some(Err(error))),
         };
         let messages = stream.into_iter().flatten().chain(failed);
-        messages.map(|message| match message {
-            Ok(message) => Ok(Message {
+        messages.map(|message| {
+            let message = message.map_err(RecordError::damaged(&self.path))?;
+            Ok(Message {
                 channel: message.channel,
                 time_ns: message.log_time,
                 data: message.data.into_owned(),
-            }),
-            Err(cause) => Err(RecordError::Damaged {
-                path: self.path.clone(),
-                cause: cause.to_string(),
-            }),
+            })
         })
     }
 
@@ -285,12 +257,6 @@ impl Recording {
     }
 }
 
-/// Returns the maximum accepted length of a record in a file of this many bytes: damaged lengths in
-/// a small file must not fill the memory. A record is copied up to four times.
-pub(in crate::record) fn longest_record(bytes: u64) -> usize {
-    usize::try_from(disk::room_for(bytes) / 4).unwrap_or(usize::MAX)
-}
-
 /// Rejects a file that unpacks to far more bytes than its size, before unpacking any of it.
 fn check_unpacked(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
     let most = disk::most_unpacked(bytes.len() as u64);
@@ -298,54 +264,8 @@ fn check_unpacked(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
     let unpacked = sizes.fold(0, u64::saturating_add);
     match unpacked <= most {
         true => Ok(()),
-        false => Err(RecordError::Damaged {
-            path: path.to_owned(),
-            cause: format!(
-                "its chunks unpack to {unpacked} bytes, but at most {most} are accepted for a file of its size"
-            ),
-        }),
-    }
-}
-
-/// Returns the unpacked size stated by a chunk; `None` for other records. No more than this is ever
-/// unpacked.
-pub(in crate::record) fn unpacked_size(opcode: u8, body: &[u8]) -> Option<u64> {
-    // The size follows the times of the first and the last message.
-    let size = body.get(16..24).filter(|_| opcode == op::CHUNK)?;
-    Some(u64::from_le_bytes(size.try_into().ok()?))
-}
-
-/// The complete records of a file in sequence: position, opcode and body.
-pub(in crate::record) struct Records<'a> {
-    bytes: &'a [u8],
-    at: usize,
-}
-
-impl<'a> Records<'a> {
-    /// Iterates over a file that begins with the magic.
-    pub fn of(bytes: &'a [u8]) -> Self {
-        let at = MAGIC.len();
-        Self { bytes, at }
-    }
-
-    /// Returns the position of the next record.
-    pub fn at(&self) -> usize {
-        self.at
-    }
-}
-
-impl<'a> Iterator for Records<'a> {
-    type Item = (usize, u8, &'a [u8]);
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let at = self.at;
-        let head = self.bytes.get(at..at + HEAD_BYTES)?;
-        let (opcode, length) = head.split_first()?;
-        let length = u64::from_le_bytes(length.try_into().ok()?);
-        let start = at + HEAD_BYTES;
-        let end = start.checked_add(usize::try_from(length).ok()?)?;
-        let body = self.bytes.get(start..end)?;
-        self.at = end;
-        Some((at, *opcode, body))
+        false => Err(RecordError::damaged(path)(format!(
+            "its chunks unpack to {unpacked} bytes, but at most {most} are accepted for a file of its size"
+        ))),
     }
 }

@@ -3,14 +3,16 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Write;
+use std::ops::ControlFlow;
 
-use mcap::records::{AttachmentHeader, MessageHeader, Record};
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use mcap::{MAGIC, McapResult, Summary};
+use mcap::records::{self, AttachmentHeader, MessageHeader, Record};
+use mcap::sans_io::linear_reader::LinearReaderOptions;
+use mcap::{MAGIC, McapError, McapResult, Summary};
 
 use crate::disk;
-use crate::record::read::parse::parse_record;
-use crate::record::read::reader::{HEAD_BYTES, Records, longest_record, unpacked_size};
+use crate::record::read::records::{
+    HEAD_BYTES, Records, for_each_record, parse_record, unpacked_size,
+};
 use crate::record::write::sink::{self, Packing, Sink};
 
 /// The result of a recovery.
@@ -105,17 +107,6 @@ fn valid_summary(bytes: &[u8]) -> Option<Summary> {
         .flatten()
 }
 
-/// Converts a channel record to a channel.
-fn described(channel: mcap::records::Channel) -> mcap::Channel<'static> {
-    mcap::Channel {
-        id: channel.id,
-        topic: channel.topic,
-        schema: None,
-        message_encoding: channel.message_encoding,
-        metadata: channel.metadata,
-    }
-}
-
 /// Writes the recovered records.
 struct RecordCopier<W: Write> {
     writer: Sink<W>,
@@ -142,8 +133,13 @@ impl<W: Write> RecordCopier<W> {
         }
         let channels: BTreeMap<_, _> = summary.channels.iter().collect();
         for (&id, channel) in channels {
-            let schema = channel.schema.as_ref().map_or(0, |schema| schema.id);
-            self.add_channel(id, schema, channel)?;
+            self.add_channel(&records::Channel {
+                id,
+                schema_id: channel.schema.as_ref().map_or(0, |schema| schema.id),
+                topic: channel.topic.clone(),
+                message_encoding: channel.message_encoding.clone(),
+                metadata: channel.metadata.clone(),
+            })?;
         }
         Ok(())
     }
@@ -154,12 +150,12 @@ impl<W: Write> RecordCopier<W> {
         Ok(())
     }
 
-    fn add_channel(&mut self, id: u16, schema: u16, channel: &mcap::Channel<'_>) -> McapResult<()> {
-        if let Some(&schema) = self.schemas.get(&schema) {
+    fn add_channel(&mut self, channel: &records::Channel) -> McapResult<()> {
+        if let Some(&schema) = self.schemas.get(&channel.schema_id) {
             let (topic, encoding) = (&channel.topic, &channel.message_encoding);
             let metadata = &channel.metadata;
             let new = self.writer.add_channel(schema, topic, encoding, metadata)?;
-            self.channels.insert(id, new);
+            self.channels.insert(channel.id, new);
         }
         Ok(())
     }
@@ -170,10 +166,7 @@ impl<W: Write> RecordCopier<W> {
             Record::Schema { header, data } => {
                 self.add_schema(header.id, &header.name, &header.encoding, &data)?;
             }
-            Record::Channel(channel) => {
-                let (id, schema) = (channel.id, channel.schema_id);
-                self.add_channel(id, schema, &described(channel))?;
-            }
+            Record::Channel(channel) => self.add_channel(&channel)?,
             Record::Message { header, data } => self.take_message(header, &data, at)?,
             Record::Attachment { header, data, .. } => self.take_attachment(header, data)?,
             Record::Metadata(metadata) => {
@@ -187,31 +180,23 @@ impl<W: Write> RecordCopier<W> {
 
     /// Recovers the records of a chunk; none if its checksum is wrong.
     fn take_chunk(&mut self, chunk: &[u8], at: usize) -> McapResult<()> {
+        /// An error of the chunk or of the output.
+        enum Failure {
+            Chunk(McapError),
+            Output(McapError),
+        }
         let options = LinearReaderOptions::default()
             .with_skip_start_magic(true)
-            .with_skip_end_magic(true)
-            .with_prevalidate_chunk_crcs(true)
-            .with_record_length_limit(longest_record(chunk.len() as u64));
-        let mut reader = LinearReader::new_with_options(options);
-        let mut rest = chunk;
-        while let Some(event) = reader.next_event() {
-            let parsed = event.and_then(|event| match event {
-                LinearReadEvent::ReadRequest(wanted) => Ok(Err(wanted)),
-                LinearReadEvent::Record { opcode, data } => parse_record(opcode, data).map(Ok),
-            });
-            match parsed {
-                Ok(Ok(record)) => self.take(record, at)?,
-                Ok(Err(wanted)) => {
-                    let (now, later) = rest.split_at(wanted.min(rest.len()));
-                    reader.insert(now.len()).copy_from_slice(now);
-                    reader.notify_read(now.len());
-                    rest = later;
-                }
-                Err(fault) => {
-                    self.recovery.lose(chunk.len(), at, &fault);
-                    break;
-                }
-            }
+            .with_skip_end_magic(true);
+        let size = chunk.len() as u64;
+        let taken = for_each_record(chunk, size, options, Failure::Chunk, |record| {
+            self.take(record, at).map_err(Failure::Output)?;
+            Ok(ControlFlow::Continue(()))
+        });
+        match taken {
+            Ok(()) => {}
+            Err(Failure::Chunk(fault)) => self.recovery.lose(chunk.len(), at, &fault),
+            Err(Failure::Output(cause)) => return Err(cause),
         }
         Ok(())
     }
@@ -237,7 +222,7 @@ impl<W: Write> RecordCopier<W> {
             create_time: header.create_time,
             name: header.name,
             media_type: header.media_type,
-            data: Cow::Borrowed(&data),
+            data,
         })?;
         self.recovery.attachments += 1;
         Ok(())

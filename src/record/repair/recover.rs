@@ -8,7 +8,7 @@ use mcap::{MAGIC, McapError, McapResult};
 
 use super::records::{Recovery, copy_records};
 use crate::disk;
-use crate::record::error::RecordError;
+use crate::record::error::{RecordError, explained};
 use crate::record::read::reader::Recording;
 
 /// Copies all complete records of `input` to a complete recording `output`. The recording is read
@@ -19,27 +19,21 @@ use crate::record::read::reader::Recording;
 /// file, and [`RecordError::Create`], [`RecordError::Recover`] or [`RecordError::Damaged`] for
 /// `output`.
 pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, RecordError> {
-    let bytes = disk::read(input, disk::MOST_BYTES).map_err(|cause| RecordError::Read {
-        path: input.to_owned(),
-        cause,
-    })?;
-    refuse(input, output, force).map_err(|cause| RecordError::Create {
-        path: output.to_owned(),
-        cause,
-    })?;
+    let bytes = disk::read(input, disk::MOST_BYTES).map_err(RecordError::read(input))?;
+    refuse(input, output, force).map_err(RecordError::create(output))?;
     if !bytes.starts_with(MAGIC) {
         return Err(RecordError::Foreign {
             path: input.to_owned(),
         });
     }
-    let temporary = disk::aside(output).map_err(|cause| RecordError::Create {
+    let temporary = disk::aside(output).map_err(RecordError::create(output))?;
+    let unwritable = |cause: McapError| RecordError::Recover {
         path: output.to_owned(),
-        cause,
-    })?;
-    let recovery =
-        write(&bytes, temporary.as_file()).map_err(|cause| write_error(output, &cause))?;
+        cause: explained(&cause),
+    };
+    let recovery = write(&bytes, temporary.as_file()).map_err(unwritable)?;
     verify(temporary.path(), &recovery)?;
-    disk::persist(temporary, output, force).map_err(|cause| write_error(output, &cause.into()))?;
+    disk::persist(temporary, output, force).map_err(|cause| unwritable(cause.into()))?;
     Ok(recovery)
 }
 
@@ -62,16 +56,6 @@ fn write(bytes: &[u8], temporary: &File) -> McapResult<Recovery> {
     Ok(recovery)
 }
 
-fn write_error(path: &Path, cause: &McapError) -> RecordError {
-    RecordError::Recover {
-        path: path.to_owned(),
-        cause: match cause {
-            McapError::Io(cause) => format!("{cause}{}", disk::way_out(cause)),
-            other => other.to_string(),
-        },
-    }
-}
-
 /// Checks that the new file can be read and has all recovered messages.
 fn verify(path: &Path, recovery: &Recovery) -> Result<(), RecordError> {
     let recording = Recording::open(path)?;
@@ -83,11 +67,7 @@ fn verify(path: &Path, recovery: &Recovery) -> Result<(), RecordError> {
     if messages == recovery.messages {
         return Ok(());
     }
-    Err(RecordError::Damaged {
-        path: path.to_owned(),
-        cause: format!(
-            "{} messages were written, {messages} read back",
-            recovery.messages
-        ),
-    })
+    let written = recovery.messages;
+    let cause = format!("{written} messages were written, {messages} read back");
+    Err(recording.damaged(cause))
 }

@@ -5,15 +5,15 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use byteorder::LittleEndian;
-use mcap::records::MessageHeader;
-use mcap::{Compression, McapError, MessageStream, WriteOptions, Writer};
+use mcap::MessageStream;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::drive_messages::{Clock, Imu, Text, Twist};
 use super::messages::{EstimatedPose, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, Transforms};
-use super::schemas::{CLOCK, GRID, IMU, Interface, ODOMETRY, POSE, SCAN, TEXT, TRANSFORMS, TWIST};
-use super::{ENCAPSULATION, LIBRARY, TRANSIENT_LOCAL, VOLATILE};
+use super::schemas::{CLOCK, GRID, IMU, ODOMETRY, POSE, SCAN, TEXT, TRANSFORMS, TWIST};
+use super::writer::{ENCAPSULATION, RosTopic, RosWriter, encoded};
+use super::{TRANSIENT_LOCAL, VOLATILE};
 use crate::disk;
 use crate::drive::{DriverStep, Fault, Readings};
 use crate::record::error::RecordError;
@@ -35,7 +35,7 @@ enum Topic {
 }
 
 /// The topics in the order of [`Topic`].
-const TOPICS: [(&str, Interface, &str); 10] = [
+const TOPICS: [RosTopic; 10] = [
     ("/scan", SCAN, VOLATILE),
     ("/odom", ODOMETRY, VOLATILE),
     ("/imu", IMU, VOLATILE),
@@ -53,8 +53,7 @@ const TOPICS: [(&str, Interface, &str); 10] = [
 /// What arrived between two steps of the driver has the time of the step, so that the drive can be repeated.
 pub struct DriveBag {
     path: PathBuf,
-    writer: Writer<BufWriter<File>>,
-    channels: [u16; TOPICS.len()],
+    writer: RosWriter<BufWriter<File>>,
     /// The faults that were written last.
     faults: Vec<&'static str>,
     clock_ns: Option<u64>,
@@ -74,30 +73,10 @@ impl DriveBag {
         let mut options = OpenOptions::new();
         options.write(true).truncate(replace).create(replace);
         let file = options.create_new(!replace).open(path);
-        let file = file.map_err(|cause| RecordError::Create {
-            path: path.to_owned(),
-            cause,
-        })?;
-        let faulty = |cause: McapError| unwritten(path, &cause);
-        let mut writer = WriteOptions::new()
-            .compression(Some(Compression::Zstd))
-            .compression_threads(0)
-            .profile("ros2")
-            .library(LIBRARY)
-            .create(BufWriter::new(file))
-            .map_err(faulty)?;
-        let mut channels = [0; TOPICS.len()];
-        for (channel, (topic, interface, qos)) in channels.iter_mut().zip(TOPICS) {
-            let Interface { name, definition } = interface;
-            let schema = writer.add_schema(name, "ros2msg", definition.as_bytes());
-            let metadata = [("offered_qos_profiles".to_owned(), qos.to_owned())].into();
-            let added = schema.and_then(|id| writer.add_channel(id, topic, "cdr", &metadata));
-            *channel = added.map_err(faulty)?;
-        }
+        let file = BufWriter::new(file.map_err(RecordError::create(path))?);
         let mut bag = Self {
             path: path.to_owned(),
-            writer,
-            channels,
+            writer: RosWriter::begin(file, &TOPICS).map_err(RecordError::write(path))?,
             faults: Vec::new(),
             clock_ns: None,
         };
@@ -159,34 +138,21 @@ impl DriveBag {
         time_ns: u64,
         message: &impl Serialize,
     ) -> Result<(), RecordError> {
-        let body = cdr_encoding::to_vec::<_, LittleEndian>(message)
-            .map_err(|cause| unwritten(&self.path, &cause))?;
-        let header = MessageHeader {
-            channel_id: self.channels[topic as usize],
-            sequence: 0,
-            log_time: time_ns,
-            publish_time: time_ns,
-        };
-        let message = [&ENCAPSULATION[..], &body].concat();
-        let written = self.writer.write_to_known_channel(&header, &message);
-        written.map_err(|cause| unwritten(&self.path, &cause))
+        let message = encoded(message).map_err(|cause| RecordError::Write {
+            path: self.path.clone(),
+            cause,
+        })?;
+        let written = self.writer.write(topic as usize, time_ns, &message);
+        written.map_err(RecordError::write(&self.path))
     }
 
     /// Ends the recording.
     ///
     /// # Errors
     /// When the disk is full, or fails.
-    pub fn finish(mut self) -> Result<(), RecordError> {
-        let ended = self.writer.finish();
-        ended.map_err(|cause| unwritten(&self.path, &cause))?;
-        Ok(())
-    }
-}
-
-fn unwritten(path: &Path, cause: &impl ToString) -> RecordError {
-    RecordError::Write {
-        path: path.to_owned(),
-        cause: cause.to_string(),
+    pub fn finish(self) -> Result<(), RecordError> {
+        let ended = self.writer.finish().map(drop);
+        ended.map_err(RecordError::write(&self.path))
     }
 }
 
@@ -205,14 +171,8 @@ impl DriveRecording {
     /// # Errors
     /// When the file cannot be read, is damaged, or has other messages under these names.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
-        let bytes = disk::read(path, disk::MOST_BYTES).map_err(|cause| RecordError::Read {
-            path: path.to_owned(),
-            cause,
-        })?;
-        let damaged = |cause: String| RecordError::Damaged {
-            path: path.to_owned(),
-            cause,
-        };
+        let bytes = disk::read(path, disk::MOST_BYTES).map_err(RecordError::read(path))?;
+        let damaged = RecordError::damaged::<String>(path);
         let mut recording = Self::default();
         let mut clock_ns = None;
         let messages = MessageStream::new(&bytes).map_err(|cause| damaged(cause.to_string()))?;

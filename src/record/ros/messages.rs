@@ -278,10 +278,9 @@ impl EstimatedPose {
 
 impl LaserScan {
     /// Creates a scan of a whole turn. The first beam pointed ahead at `time_ns`.
-    pub fn new(time_ns: u64, lidar: &LidarParams, range_max_m: f64, ranges: Vec<f32>) -> Self {
+    pub fn new(time_ns: u64, lidar: &LidarParams, ranges: Vec<f32>) -> Self {
         let beams = f64::from(lidar.beams);
         let (apart_rad, turn_s) = (TAU / beams, 1.0 / lidar.rate_hz);
-        let nearest_share = lidar.nearest_m / lidar.range_m;
         Self {
             header: header(time_ns, LASER),
             angle_min: 0.0,
@@ -289,8 +288,8 @@ impl LaserScan {
             angle_increment: apart_rad as f32,
             time_increment: (turn_s / beams) as f32,
             scan_time: turn_s as f32,
-            range_min: (nearest_share * range_max_m) as f32,
-            range_max: range_max_m as f32,
+            range_min: lidar.nearest_m as f32,
+            range_max: lidar.range_m as f32,
             ranges,
             intensities: Vec::new(),
         }

@@ -9,13 +9,13 @@ pub mod drive_messages;
 pub mod messages;
 mod schemas;
 mod turn;
+mod writer;
 
 use std::io::Cursor;
 use std::ops::ControlFlow;
+use std::path::Path;
 
-use byteorder::LittleEndian;
-use mcap::records::MessageHeader;
-use mcap::{Compression, McapError, McapResult, WriteOptions, Writer};
+use mcap::{McapError, McapResult};
 use nalgebra::Isometry2;
 use serde::Serialize;
 
@@ -28,12 +28,9 @@ pub use drive_bag::{DriveBag, DriveRecording};
 use messages::{
     BASE, EstimatedPose, LASER, MAP, ODOM, OccupancyGrid, Odometry, TRUE_BASE, Transforms,
 };
-use schemas::{GRID, Interface, ODOMETRY, POSE, SCAN, TRANSFORMS};
+use schemas::{GRID, ODOMETRY, POSE, SCAN, TRANSFORMS};
 use turn::Turns;
-
-/// The CDR encapsulation header: little-endian, no options.
-const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
-const LIBRARY: &str = concat!("xcscr/", env!("CARGO_PKG_VERSION"));
+use writer::{RosTopic, RosWriter, encoded};
 
 /// The quality of service offered for a topic, as rosbag2 writes it up to metadata version 8, with
 /// the numbers of rmw. The topic keeps the last `depth` messages and delivers them reliably. Late
@@ -65,7 +62,7 @@ enum Topic {
 }
 
 /// The topics in the order of [`Topic`]: name, type and quality of service.
-const TOPICS: [(&str, Interface, &str); 7] = [
+const TOPICS: [RosTopic; 7] = [
     ("/tf", TRANSFORMS, VOLATILE),
     ("/tf_static", TRANSFORMS, TRANSIENT_LOCAL),
     ("/odom", ODOMETRY, VOLATILE),
@@ -75,47 +72,13 @@ const TOPICS: [(&str, Interface, &str); 7] = [
     ("/ground_truth/odom", ODOMETRY, VOLATILE),
 ];
 
-type Sink = Writer<Cursor<Vec<u8>>>;
-
-/// Creates a file with its topics. Returns the channel of each topic.
-fn create() -> McapResult<(Sink, [u16; TOPICS.len()])> {
-    let mut writer = WriteOptions::new()
-        .compression(Some(Compression::Zstd))
-        .compression_threads(0)
-        .profile("ros2")
-        .library(LIBRARY)
-        .create(Cursor::new(Vec::new()))?;
-    let mut channels = [0; TOPICS.len()];
-    for (channel, (topic, Interface { name, definition }, qos)) in channels.iter_mut().zip(TOPICS) {
-        let schema = writer.add_schema(name, "ros2msg", definition.as_bytes())?;
-        let metadata = [("offered_qos_profiles".to_owned(), qos.to_owned())].into();
-        *channel = writer.add_channel(schema, topic, "cdr", &metadata)?;
-    }
-    Ok((writer, channels))
-}
-
 fn write_error(cause: McapError) -> RecordError {
-    RecordError::Write {
-        path: "the recording for ROS 2".into(),
-        cause: cause.to_string(),
-    }
-}
-
-/// The robot's parameters that a ROS 2 file needs.
-#[derive(Debug, Clone)]
-pub struct RosRobot {
-    /// The distance between its wheels in metres; `None` for a robot without wheels.
-    pub wheel_base_m: Option<f64>,
-    /// Its lidar.
-    pub lidar: LidarParams,
-    /// The maximum range of the lidar, in metres.
-    pub range_max_m: f64,
+    RecordError::write(Path::new("the recording for ROS 2"))(cause)
 }
 
 /// Observes episodes and writes the messages that a ROS 2 robot would have recorded.
 pub struct RosBag {
-    writer: Sink,
-    channels: [u16; TOPICS.len()],
+    writer: RosWriter<Cursor<Vec<u8>>>,
     /// The number of the only episode to record; `None` records all.
     only: Option<u32>,
     odometry: DeadReckoning,
@@ -129,18 +92,22 @@ pub struct RosBag {
 }
 
 impl RosBag {
-    /// Creates a bag of one episode, counted from 1, or of all episodes.
+    /// Creates a bag of one episode, counted from 1, or of all episodes. `wheel_base_m` is the
+    /// distance between the robot's wheels in metres; `None` for a robot without wheels.
     ///
     /// # Errors
     /// If the file's header cannot be encoded.
-    pub fn new(only: Option<u32>, robot: RosRobot) -> Result<Self, RecordError> {
-        let (writer, channels) = create().map_err(write_error)?;
+    pub fn new(
+        only: Option<u32>,
+        wheel_base_m: Option<f64>,
+        lidar: LidarParams,
+    ) -> Result<Self, RecordError> {
+        let writer = RosWriter::begin(Cursor::new(Vec::new()), &TOPICS);
         Ok(Self {
-            writer,
-            channels,
+            writer: writer.map_err(write_error)?,
             only,
-            odometry: DeadReckoning::new(robot.wheel_base_m),
-            turns: Turns::new(robot.lidar, robot.range_max_m),
+            odometry: DeadReckoning::new(wheel_base_m),
+            turns: Turns::new(lidar),
             pending: Vec::new(),
             now_ns: 0,
             is_begun: false,
@@ -152,12 +119,12 @@ impl RosBag {
     ///
     /// # Errors
     /// The first error that occurred while writing.
-    pub fn finish(mut self) -> Result<Vec<u8>, RecordError> {
+    pub fn finish(self) -> Result<Vec<u8>, RecordError> {
         if let Some(fault) = self.fault {
             return Err(write_error(fault));
         }
-        self.writer.finish().map_err(write_error)?;
-        Ok(self.writer.into_inner().into_inner())
+        let out = self.writer.finish().map_err(write_error)?;
+        Ok(out.into_inner())
     }
 
     fn wants(&self, episode: u32) -> bool {
@@ -165,9 +132,7 @@ impl RosBag {
     }
 
     fn queue(&mut self, topic: Topic, time_ns: u64, message: &impl Serialize) {
-        let body = cdr_encoding::to_vec::<_, LittleEndian>(message)
-            .expect("the messages hold nothing that the encoding lacks");
-        let message = [&ENCAPSULATION[..], &body].concat();
+        let message = encoded(message).expect("the messages hold nothing that the encoding lacks");
         self.pending.push((time_ns, topic, message));
     }
 
@@ -176,13 +141,7 @@ impl RosBag {
         self.pending.sort_by_key(|(time_ns, ..)| *time_ns);
         for (time_ns, topic, message) in self.pending.drain(..) {
             self.now_ns = self.now_ns.max(time_ns);
-            let header = MessageHeader {
-                channel_id: self.channels[topic as usize],
-                sequence: 0,
-                log_time: time_ns,
-                publish_time: time_ns,
-            };
-            self.writer.write_to_known_channel(&header, &message)?;
+            self.writer.write(topic as usize, time_ns, &message)?;
         }
         Ok(())
     }

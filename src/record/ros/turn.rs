@@ -9,7 +9,6 @@ use crate::record::topics::scan::angle;
 /// Collects beams into turns.
 pub struct Turns {
     lidar: LidarParams,
-    range_max_m: f64,
     turn: Option<Turn>,
 }
 
@@ -25,13 +24,9 @@ struct Turn {
 }
 
 impl Turns {
-    /// Creates an empty group for a lidar with a maximum range of `range_max_m` metres.
-    pub fn new(lidar: LidarParams, range_max_m: f64) -> Self {
-        Self {
-            lidar,
-            range_max_m,
-            turn: None,
-        }
+    /// Creates an empty group.
+    pub fn new(lidar: LidarParams) -> Self {
+        Self { lidar, turn: None }
     }
 
     /// Adds a beam. Returns the previous turn if the beam starts a new turn, or its own turn if the beam is the
@@ -61,15 +56,8 @@ impl Turns {
 
     /// Ends the current turn, even if beams are missing.
     pub fn end(&mut self) -> Option<LaserScan> {
-        let Turn {
-            begin_ns, ranges, ..
-        } = self.turn.take()?;
-        Some(LaserScan::new(
-            begin_ns,
-            &self.lidar,
-            self.range_max_m,
-            ranges,
-        ))
+        let turn = self.turn.take()?;
+        Some(LaserScan::new(turn.begin_ns, &self.lidar, turn.ranges))
     }
 }
 
@@ -84,7 +72,7 @@ mod tests {
             beams: 4,
             ..LidarParams::default()
         };
-        Turns::new(lidar, 8.0)
+        Turns::new(lidar)
     }
 
     fn beam(number: u64, range_m: Option<f64>) -> Beam {

@@ -2,7 +2,7 @@
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 #[cfg(feature = "live")]
 use std::thread;
 use std::time::{Duration, Instant};
@@ -11,80 +11,37 @@ use std::time::{Duration, Instant};
 /// -n 64` if each connection takes a socket and a file.
 const MAX_CONNECTIONS: usize = 24;
 /// The time after which writing to a blocked connection fails.
-const STALL_TIME: Duration = Duration::from_secs(30);
-/// When all slots are taken, a connection that was idle for this long is closed for a new one.
-const IDLE_TIME: Duration = Duration::from_secs(1);
+const STALL_TIME: Duration = Duration::from_secs(10);
 /// The maximum time and number of bytes to read and discard at the end. Closing a connection with
 /// unread bytes would discard the answer.
 const SHUTDOWN_TIME: Duration = Duration::from_secs(1);
 const MAX_DISCARDED_BYTES: u64 = 64 * 1024;
 
-/// The open connections.
-#[derive(Debug, Default)]
-pub struct Slots(Mutex<Vec<Arc<Slot>>>);
-
-/// A connection, and the time of its last activity.
-#[derive(Debug)]
-struct Slot {
-    stream: TcpStream,
-    active: Mutex<Instant>,
-}
-
-impl Slot {
-    fn idle(&self) -> Duration {
-        let active = self.active.lock().unwrap_or_else(PoisonError::into_inner);
-        active.elapsed()
-    }
-
-    fn touch(&self) {
-        *self.active.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
-    }
-}
-
-impl Slots {
-    fn lock(&self) -> std::sync::MutexGuard<'_, Vec<Arc<Slot>>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Returns a slot for a new connection. If all slots are taken, the connection that was idle
-    /// for longest is closed. Fails if none is idle for [`IDLE_TIME`].
-    fn slot(&self, stream: TcpStream) -> Result<Arc<Slot>, TcpStream> {
-        let mut slots = self.lock();
-        if slots.len() >= MAX_CONNECTIONS {
-            let idlest = (0..slots.len()).max_by_key(|&at| slots[at].idle());
-            let idlest = idlest.filter(|&at| slots[at].idle() >= IDLE_TIME);
-            let Some(idlest) = idlest else {
-                return Err(stream);
-            };
-            let _ = slots.remove(idlest).stream.shutdown(Shutdown::Both);
-        }
-        let active = Mutex::new(Instant::now());
-        let slot = Arc::new(Slot { stream, active });
-        slots.push(Arc::clone(&slot));
-        Ok(slot)
-    }
-}
+/// The slots for connections. Each open connection holds a clone.
+#[derive(Debug, Clone, Default)]
+pub struct Slots(Arc<()>);
 
 /// An accepted connection. Writing fails if the other side reads nothing for too long.
 #[derive(Debug)]
 pub struct Connection {
-    slot: Arc<Slot>,
-    slots: Arc<Slots>,
+    stream: TcpStream,
+    _slot: Slots,
 }
 
 impl Connection {
     /// Accepts a connection; returns the stream if there is no slot.
-    pub fn accept(stream: TcpStream, slots: &Arc<Slots>) -> Result<Self, TcpStream> {
-        let grace_period = Some(STALL_TIME);
+    pub fn accept(stream: TcpStream, slots: &Slots) -> Result<Self, TcpStream> {
+        let is_full = Arc::strong_count(&slots.0) > MAX_CONNECTIONS;
         let prepared = stream
             .set_nodelay(true)
-            .and_then(|()| stream.set_write_timeout(grace_period));
-        if prepared.is_err() {
-            return Err(stream);
+            .and_then(|()| stream.set_write_timeout(Some(STALL_TIME)));
+        match is_full || prepared.is_err() {
+            true => Err(stream),
+            false => Ok(Self {
+                stream,
+                _slot: slots.clone(),
+            }),
         }
-        let slots = Arc::clone(slots);
-        let slot = slots.slot(stream)?;
-        Ok(Self { slot, slots })
     }
 
     /// Reads the next bytes; fails with [`ErrorKind::TimedOut`] if nothing arrives before `until`.
@@ -93,8 +50,8 @@ impl Connection {
         if left.is_zero() {
             return Err(ErrorKind::TimedOut.into());
         }
-        self.slot.stream.set_read_timeout(Some(left))?;
-        (&self.slot.stream).read(piece)
+        self.stream.set_read_timeout(Some(left))?;
+        self.stream.read(piece)
     }
 
     /// Sends all bytes.
@@ -102,9 +59,7 @@ impl Connection {
     /// # Errors
     /// If the connection is closed, or the other side reads nothing for too long.
     pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        (&self.slot.stream).write_all(bytes)?;
-        self.slot.touch();
-        Ok(())
+        self.stream.write_all(bytes)
     }
 
     /// Forwards all data between this connection and another one, until either ends.
@@ -113,12 +68,11 @@ impl Connection {
     /// If no thread can be started.
     #[cfg(feature = "live")]
     pub fn connect(&mut self, other: &TcpStream) -> io::Result<()> {
-        self.slot.stream.set_read_timeout(None)?;
+        self.stream.set_read_timeout(None)?;
         thread::scope(|scope| {
-            let there = thread::Builder::new().spawn_scoped(scope, || {
-                pass_on(&self.slot.stream, other, &self.slot);
-            })?;
-            pass_on(other, &self.slot.stream, &self.slot);
+            let there =
+                thread::Builder::new().spawn_scoped(scope, || pass_on(&self.stream, other))?;
+            pass_on(other, &self.stream);
             let _ = there.join();
             Ok(())
         })
@@ -126,7 +80,7 @@ impl Connection {
 
     /// Shuts down writing, and waits until the other side has read the answer.
     pub fn shut_down(&mut self) -> io::Result<()> {
-        self.slot.stream.shutdown(Shutdown::Write)?;
+        self.stream.shutdown(Shutdown::Write)?;
         let until = Instant::now() + SHUTDOWN_TIME;
         let mut piece = [0; 4096];
         let mut read = 0;
@@ -140,23 +94,10 @@ impl Connection {
     }
 }
 
-impl Drop for Connection {
-    fn drop(&mut self) {
-        let mut slots = self.slots.lock();
-        slots.retain(|slot| !Arc::ptr_eq(slot, &self.slot));
-    }
-}
-
-#[cfg(feature = "live")]
 /// Copies until the end, then closes both connections.
-fn pass_on(mut from: &TcpStream, mut to: &TcpStream, slot: &Slot) {
-    let mut piece = [0; 16 * 1024];
-    while let Ok(bytes @ 1..) = from.read(&mut piece) {
-        if to.write_all(&piece[..bytes]).is_err() {
-            break;
-        }
-        slot.touch();
-    }
+#[cfg(feature = "live")]
+fn pass_on(mut from: &TcpStream, mut to: &TcpStream) {
+    let _ = io::copy(&mut from, &mut to);
     for stream in [from, to] {
         let _ = stream.shutdown(Shutdown::Both);
     }

@@ -9,7 +9,7 @@ const MAX_HEAD_BYTES: usize = 8 * 1024;
 /// The maximum number of headers.
 const MAX_HEADERS: usize = 64;
 /// The maximum time to receive a head.
-const HEAD_TIME: Duration = Duration::from_secs(5);
+const HEAD_TIME: Duration = Duration::from_secs(3);
 
 /// The origin of a web page: scheme, host and port.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -87,7 +87,7 @@ impl Listener {
     where
         H: Fn(&Head, &mut Connection) -> io::Result<()> + Send + Sync + 'static,
     {
-        let slots = Arc::new(Slots::default());
+        let slots = Slots::default();
         let listener = Arc::new(self);
         while !closing.load(Ordering::Relaxed) {
             let Ok((stream, _)) = listener.listener.accept() else {

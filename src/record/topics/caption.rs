@@ -2,9 +2,8 @@
 
 use foxglove::messages::{SceneUpdate, TextPrimitive};
 
-use super::rounded;
 use super::rule;
-use super::scene::{WORLD, color, entity, place, update};
+use super::scene::{WORLD, color, entity, label, place, size_m, update};
 use crate::world::Maze;
 
 const TITLE: u32 = 0xffffff;
@@ -48,7 +47,7 @@ impl Caption {
     pub fn read(scene: &SceneUpdate) -> Self {
         let texts = || scene.entities.iter().flat_map(|entity| &entity.texts);
         let line = |rgb| {
-            let found = texts().find(|text| text.color == color(rgb, 1.0));
+            let found = texts().find(|text| text.color == Some(color(rgb, 1.0)));
             found.map_or_else(String::new, |text| text.text.clone())
         };
         Self {
@@ -77,21 +76,10 @@ fn title_height_m(maze: &Maze) -> f64 {
 /// Creates a line whose middle is `up` title heights above the bottom of the caption. `share` is
 /// the letter height as a share of the title height.
 fn line(maze: &Maze, text: &str, up: f64, share: f64, rgb: u32) -> TextPrimitive {
-    let (unit, title) = (maze.cell_size_m(), title_height_m(maze));
-    let (wide, high) = (
-        f64::from(maze.width()) * unit,
-        f64::from(maze.height()) * unit,
-    );
+    let ([wide, high], title) = (size_m(maze), title_height_m(maze));
     let fits = WIDEST * wide / (LETTER * text.chars().count() as f64);
     let at = place(wide / 2.0, high + clearance_m(maze) + up * title, 0.0);
-    TextPrimitive {
-        pose: at,
-        billboard: true,
-        font_size: rounded(fits.min(share * title)),
-        scale_invariant: false,
-        color: color(rgb, 1.0),
-        text: text.to_owned(),
-    }
+    label(at, fits.min(share * title), rgb, text)
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::decimal;
-use super::schema::Object;
 use crate::arena::Contact;
 
 /// A change of contact with the walls.
@@ -53,19 +52,4 @@ impl ContactRecord {
             hit: None,
         }
     }
-}
-
-pub(super) fn schema() -> Object {
-    Object::new("xcscr.Contact")
-        .count("episode", "from 1")
-        .count("step", "from 1; 0 before the first")
-        .bool(
-            "touching",
-            "true at a hit, false when that move or the episode is over",
-        )
-        .number("x_m", "point of the hit, metres, map frame")
-        .number("y_m", "point of the hit, metres, map frame")
-        .number("normal_x", "unit vector into the wall")
-        .number("normal_y", "unit vector into the wall")
-        .number("impulse_ns", "impulse of the hit, N s")
 }

@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::schema::Object;
 use crate::episode::Episode;
 
 /// The maximum number of points. When it is reached, every second point is dropped.
@@ -46,11 +45,4 @@ impl Curve {
             self.collisions.push(episode.collisions);
         }
     }
-}
-
-pub(super) fn schema() -> Object {
-    Object::new("xcscr.Curve")
-        .numbers("episode", "episodes so far; of long runs not all")
-        .numbers("steps", "steps of each")
-        .numbers("collisions", "collisions of each")
 }

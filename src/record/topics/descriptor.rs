@@ -117,97 +117,50 @@ fn file(name: &str, package: &str, messages: Vec<DescriptorProto>) -> FileDescri
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
     use foxglove::Encode;
     use foxglove::messages::{FrameTransforms, LaserScan, Log, SceneUpdate};
+    use prost_reflect::DescriptorPool;
 
     use super::*;
 
     fn well_known() -> Vec<Schema> {
         let all = [
-            FrameTransforms::get_schema(),
             SceneUpdate::get_schema(),
+            FrameTransforms::get_schema(),
             Log::get_schema(),
             LaserScan::get_schema(),
         ];
         all.into_iter().flatten().collect()
     }
 
-    /// Returns all messages of a file by full name, including nested ones.
-    fn defined(file: &FileDescriptorProto) -> BTreeMap<String, DescriptorProto> {
-        let mut left: Vec<(String, &DescriptorProto)> = file
-            .message_type
-            .iter()
-            .map(|message| (file.package().to_owned(), message))
-            .collect();
-        let mut found = BTreeMap::new();
-        while let Some((scope, message)) = left.pop() {
-            let name = format!("{scope}.{}", message.name());
-            left.extend(message.nested_type.iter().map(|part| (name.clone(), part)));
-            found.insert(name, message.clone());
-        }
-        found
-    }
-
     #[test]
-    fn all_definitions_fit_into_one_pool() {
-        let (mut files, mut homes) = (BTreeMap::new(), BTreeMap::new());
-        for schema in well_known() {
-            let short = FileDescriptorSet::decode(&*short(&schema).data).unwrap();
-            for file in short.file {
-                for name in defined(&file).into_keys() {
-                    let home = homes.entry(name.clone());
-                    let home = home.or_insert_with(|| file.name().to_owned());
-                    assert_eq!(home, file.name(), "{name}");
-                }
-                let known = files.entry(file.name().to_owned());
-                let known = known.or_insert_with(|| file.clone());
-                assert_eq!(*known, file);
-            }
-        }
-        assert!(homes.len() > 20, "{homes:?}");
-    }
-
-    /// Returns true if the type `part` is found from inside the message `scope` outwards.
-    fn is_found(known: &BTreeMap<String, DescriptorProto>, scope: &str, part: &str) -> bool {
-        let mut scope = Some(scope);
-        while let Some(inner) = scope {
-            let (message, last) = part.rsplit_once('.').unwrap_or(("", part));
-            let home = format!("{inner}.{message}");
-            let enums = known.get(home.trim_end_matches('.'));
-            let enums = enums.into_iter().flat_map(|home| &home.enum_type);
-            if known.contains_key(&format!("{inner}.{part}"))
-                || enums.map(|one| one.name()).any(|name| name == last)
-            {
-                return true;
-            }
-            scope = inner.rsplit_once('.').map(|(outer, _)| outer);
-        }
-        part.strip_prefix('.')
-            .is_some_and(|full| known.contains_key(full))
-    }
-
-    #[test]
-    fn short_definitions_are_complete_and_take_at_most_two_thirds_of_the_bytes() {
-        let (mut all_now, mut all_before) = (0, 0);
+    fn short_definitions_fit_into_one_pool_and_take_at_most_two_thirds_of_the_bytes() {
+        let (mut now, mut before) = (0, 0);
+        let (mut pool, mut time) = (DescriptorPool::new(), None);
         for schema in well_known() {
             let short = short(&schema);
-            let set = FileDescriptorSet::decode(&*short.data).unwrap();
-            let known: BTreeMap<_, _> = set.file.iter().flat_map(defined).collect();
-            assert!(known.contains_key(&schema.name), "{}", schema.name);
-            for (name, message) in &known {
-                let parts = message.field.iter();
-                for part in parts.filter_map(|field| field.type_name.as_deref()) {
-                    assert!(is_found(&known, name, part), "{part} in {name}");
-                }
-            }
-            assert!(!is_found(&known, &schema.name, "Nothing"));
-            let (now, before) = (short.data.len(), schema.data.len());
-            assert!(now < before, "{}: {now} of {before}", schema.name);
-            all_now += now;
-            all_before += before;
+            let mut set = FileDescriptorSet::decode(&*short.data).unwrap();
+            let first = set.file.swap_remove(0);
+            assert_eq!(*time.get_or_insert(first.clone()), first, "the shared file");
+            pool.decode_file_descriptor_set(&*short.data).unwrap();
+            let found = pool.get_message_by_name(&schema.name);
+            assert!(found.is_some(), "{}", schema.name);
+            assert!(short.data.len() < schema.data.len(), "{}", schema.name);
+            now += short.data.len();
+            before += schema.data.len();
         }
-        assert!(3 * all_now < 2 * all_before, "{all_now} of {all_before}");
+        assert!(pool.all_messages().count() > 20);
+        assert!(3 * now < 2 * before, "{now} of {before}");
+    }
+
+    #[test]
+    fn a_definition_that_lacks_a_part_is_refused() {
+        let short = short(&well_known()[0]);
+        let mut set = FileDescriptorSet::decode(&*short.data).unwrap();
+        assert!(DescriptorPool::from_file_descriptor_set(set.clone()).is_ok());
+        for message in set.file.iter_mut().flat_map(|file| &mut file.message_type) {
+            message.nested_type.pop();
+        }
+        assert!(DescriptorPool::from_file_descriptor_set(set).is_err());
     }
 }

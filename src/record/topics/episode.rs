@@ -1,9 +1,8 @@
 //! `/episode`: at the start, that an episode runs; at the end, its figures.
 
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::decimal;
-use super::schema::Object;
 use crate::agent::Knowledge;
 use crate::episode::{Ending, Episode};
 use xcs::{Classifier, PredictionArray};
@@ -85,10 +84,7 @@ impl Population {
     }
 }
 
-/// The numbers of episode outcomes, and of whether the greedy policy is optimal.
-const STATES: [(u8, &str); 3] = [(0, "running"), (1, "step limit"), (3, "goal")];
-const POLICIES: [(u8, &str); 2] = [(1, "not optimal"), (3, "optimal")];
-
+/// Returns the number of whether the greedy policy is optimal, as in `episode.json`.
 fn policy_number(optimal: bool) -> u8 {
     if optimal { 3 } else { 1 }
 }
@@ -135,12 +131,6 @@ impl Ended {
     }
 }
 
-pub(super) fn schema_of_ended() -> Object {
-    Object::new("xcscr.Ended")
-        .count("episode", "from 1")
-        .number("learning_rate", "with which its end was learned")
-}
-
 /// A running episode, without the figures that are known at its end only.
 #[derive(Debug, Serialize)]
 pub(in crate::record) struct Running {
@@ -164,42 +154,13 @@ impl Running {
     }
 }
 
-pub(super) fn schema() -> Object {
-    Object::new("xcscr.Episode")
-        .count("episode", "from 1")
-        .text(
-            "outcome",
-            "running, goal, or step-limit; the rest is told at the end",
-        )
-        .named("state", &STATES, "the outcome as a number")
-        .named(
-            "result",
-            &STATES,
-            "the same once it is over, and nothing before",
-        )
-        .named("policy", &POLICIES, "optimal, as a number")
-        .count("steps", "steps taken")
-        .count("collisions", "steps that hit a wall")
-        .count("explored", "steps chosen by chance")
-        .number("reward", "sum of all rewards")
-        .count("rules", "macro-classifiers in [P]")
-        .count("micro", "micro-classifiers in [P]")
-        .number(
-            "generality",
-            "share of don't-cares in the conditions of [P], mean",
-        )
-        .number("mean_error", "prediction error in [P], mean")
-        .count("step_threshold", "most steps of the next episode")
-        .number("learning_rate", "with which the end was learned")
-        .bool("imprinted", "stored policy imprinted?")
-        .bool("optimal", "greedy policy globally optimal?")
-        .count(
-            "greedy_steps",
-            "of the greedy policy from this start; absent: never arrives",
-        )
-        .count("shortest", "steps of the shortest path from this start")
-        .numbers(
-            "start_values",
-            "of each action in the start cell, clockwise from north; null: unknown",
-        )
+/// The fields of a message that highlights show.
+#[derive(Deserialize)]
+pub(in crate::record) struct Figures {
+    pub episode: u32,
+    pub outcome: String,
+    pub optimal: bool,
+    pub steps: Option<u32>,
+    pub collisions: Option<u32>,
+    pub shortest: Option<u32>,
 }

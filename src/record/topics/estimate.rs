@@ -1,14 +1,13 @@
 //! `/estimate`, and the estimate in `/scene/percept`: the estimated pose, its uncertainty and its
 //! error.
 
-use foxglove::messages::{CylinderPrimitive, Pose, Quaternion, SceneEntity};
+use foxglove::messages::{CylinderPrimitive, Quaternion, SceneEntity};
 use nalgebra::{Complex, Matrix3, UnitComplex};
 use serde::Serialize;
 
-use super::scene::{ESTIMATE, color, entity, heading, place, vector};
-use super::schema::Object;
-use super::{decimal, rounded};
-use crate::arena::{Sample, Sensed};
+use super::decimal;
+use super::scene::{ESTIMATE, color, cylinder, entity, heading, place, turned, vector};
+use crate::arena::{Estimate, Sample, Sensed};
 
 pub(super) const MARKER: u32 = 0x2f9ce0;
 /// The ellipse contains the true position in 99 of 100 samples, if the covariance is consistent.
@@ -68,32 +67,6 @@ impl EstimateRecord {
     }
 }
 
-pub(super) fn schema() -> Object {
-    Object::new("xcscr.Estimate")
-        .count("episode", "from 1")
-        .count("step", "from 1; 0 before the first")
-        .number("x_m", "believed position, metres, map frame")
-        .number("y_m", "believed position, metres, map frame")
-        .number("heading_cos", "believed heading, its cosine")
-        .number("heading_sin", "believed heading, its sine")
-        .number("sd_x_m", "deviation that it believes in, metres")
-        .number("sd_y_m", "deviation that it believes in, metres")
-        .number("sd_heading_deg", "the same of the heading, degrees")
-        .number("error_m", "distance from the true position, metres")
-        .number(
-            "heading_error_deg",
-            "difference from the true heading, degrees",
-        )
-        .number(
-            "nees",
-            "normalised estimation error squared; 3 is what 3 degrees of freedom give",
-        )
-        .bool(
-            "lost",
-            "does it believe to be in another cell than it is in?",
-        )
-}
-
 /// Creates an ellipse around the estimated position, ten times enlarged, and a marker of the
 /// estimated pose.
 pub(in crate::record) fn entities(
@@ -102,43 +75,37 @@ pub(in crate::record) fn entities(
     time_ns: u64,
 ) -> [SceneEntity; 2] {
     let mut ellipse = entity("ellipse", ESTIMATE, time_ns);
-    ellipse.cylinders = sensed
-        .estimates
-        .last()
-        .map(|estimate| {
-            let ahead = estimate.robot_in_map.rotation;
-            let (long, short, direction) = axes(&estimate.covariance);
-            let along = heading(ahead.inverse() * direction);
-            CylinderPrimitive {
-                pose: Some(Pose {
-                    position: Some(vector(0.0, 0.0, ABOVE * radius_m)),
-                    orientation: Some(Quaternion {
-                        z: drawn(along.z),
-                        w: drawn(along.w),
-                        ..along
-                    }),
-                }),
-                size: Some(vector(
-                    drawn(2.0 * DEVIATIONS * ELLIPSE_SCALE * long),
-                    drawn(2.0 * DEVIATIONS * ELLIPSE_SCALE * short),
-                    FLAT_M,
-                )),
-                bottom_scale: 1.0,
-                top_scale: 1.0,
-                color: color(MARKER, 0.9),
-            }
-        })
-        .into_iter()
-        .collect();
+    let last = sensed.estimates.last().into_iter();
+    ellipse.cylinders = last.map(|last| around(last, radius_m)).collect();
     let mut estimated_pose = entity("estimated_pose", ESTIMATE, time_ns);
-    estimated_pose.cylinders = vec![CylinderPrimitive {
-        pose: place(0.0, 0.0, FLAT_M),
-        size: Some(vector(2.0 * RIM * radius_m, 2.0 * RIM * radius_m, FLAT_M)),
-        bottom_scale: 1.0,
-        top_scale: rounded(1.0),
-        color: color(MARKER, 0.6),
-    }];
+    let size = vector(2.0 * RIM * radius_m, 2.0 * RIM * radius_m, FLAT_M);
+    estimated_pose.cylinders = vec![cylinder(
+        place(0.0, 0.0, FLAT_M),
+        size,
+        1.0,
+        color(MARKER, 0.6),
+    )];
     [ellipse, estimated_pose]
+}
+
+/// Creates the ellipse of an estimate, in the frame of the estimated pose.
+fn around(estimate: &Estimate, radius_m: f64) -> CylinderPrimitive {
+    let ahead = estimate.robot_in_map.rotation;
+    let (long, short, direction) = axes(&estimate.covariance);
+    let along = heading(ahead.inverse() * direction);
+    let along = Quaternion {
+        z: drawn(along.z),
+        w: drawn(along.w),
+        ..along
+    };
+    let [long, short] =
+        [long, short].map(|deviation| drawn(2.0 * DEVIATIONS * ELLIPSE_SCALE * deviation));
+    cylinder(
+        turned([0.0, 0.0, ABOVE * radius_m], along),
+        vector(long, short, FLAT_M),
+        1.0,
+        color(MARKER, 0.9),
+    )
 }
 
 /// Rounds a number to the precision that is visible in the picture.

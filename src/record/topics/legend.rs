@@ -1,9 +1,9 @@
 //! The legend of a scene's colours, south of the maze.
 
-use foxglove::messages::{SceneEntity, TextPrimitive};
+use foxglove::messages::SceneEntity;
 
-use super::scene::{WORLD, color, entity, place};
-use super::{estimate, percept, rays, rounded, trail};
+use super::scene::{WORLD, entity, label, place};
+use super::{estimate, percept, rays, trail};
 use crate::picture::{NO_GOAL, SCALE};
 use crate::sensor::Sensor;
 use crate::world::Maze;
@@ -80,20 +80,9 @@ fn row(maze: &Maze, id: &str, number: u32, entries: &[Entry], time_ns: u64) -> S
         let letters = before as f64 + (text.len() as f64 - all as f64) / 2.0;
         let along = middle + letters * LETTER * high;
         let up = -(0.75 + f64::from(number)) * ROW * high;
-        let at = [along, up].map(|at| (at / grid_m).round() * grid_m);
-        row.texts.push(words(at, high, rgb, text));
+        let [x, y] = [along, up].map(|at| (at / grid_m).round() * grid_m);
+        row.texts.push(label(place(x, y, 0.0), high, rgb, text));
         before += text.len() + GAP;
     }
     row
-}
-
-fn words([x, y]: [f64; 2], high: f64, rgb: u32, text: &str) -> TextPrimitive {
-    TextPrimitive {
-        pose: place(x, y, 0.0),
-        billboard: true,
-        font_size: rounded(high),
-        scale_invariant: false,
-        color: color(rgb, 1.0),
-        text: text.to_owned(),
-    }
 }

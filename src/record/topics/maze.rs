@@ -1,12 +1,12 @@
 //! `/scene/maze`: floor, slippery cells, walls, start, goals and auxiliary rewards.
 
-use foxglove::messages::{
-    CubePrimitive, LinePrimitive, SceneEntity, SceneUpdate, TextPrimitive, line_primitive,
-};
+use foxglove::messages::{CubePrimitive, LinePrimitive, SceneEntity, SceneUpdate, TextPrimitive};
 use nalgebra::Point2;
 
 use super::legend;
-use super::scene::{WORLD, color, cube, entity, place, point, update, vector, words};
+use super::scene::{
+    WORLD, color, cube, entity, lines, place, point, size_m, update, vector, words,
+};
 use crate::world::{Cell, Maze};
 
 /// The colour of the floor.
@@ -30,10 +30,10 @@ const LETTER: f64 = 0.22;
 
 /// Creates the scene of the maze. Very large mazes are drawn without walls.
 pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
-    let mut lines = entity("floor", WORLD, time_ns);
-    lines.cubes = vec![floor(maze)];
-    lines.cubes.extend(slippery(maze));
-    lines.lines = vec![floor_lines(maze)];
+    let mut ground = entity("floor", WORLD, time_ns);
+    ground.cubes = vec![floor(maze)];
+    ground.cubes.extend(slippery(maze));
+    ground.lines = vec![floor_lines(maze)];
     let mut walls = entity("walls", WORLD, time_ns);
     if !maze.is_vast() {
         walls.cubes = (0..maze.height())
@@ -42,16 +42,13 @@ pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
     }
     walls.texts = numbers(maze);
     let legend = legend::of_policy(maze, time_ns);
-    update(vec![lines, walls, tiles(maze, time_ns), legend])
+    update(vec![ground, walls, tiles(maze, time_ns), legend])
 }
 
 /// Creates a slab whose top is at height 0.
 fn floor(maze: &Maze) -> CubePrimitive {
     let unit = maze.cell_size_m();
-    let (x, y) = (
-        f64::from(maze.width()) * unit,
-        f64::from(maze.height()) * unit,
-    );
+    let [x, y] = size_m(maze);
     let thick = 0.02 * unit;
     cube(
         place(x / 2.0, y / 2.0, -thick / 2.0),
@@ -75,21 +72,15 @@ fn slippery(maze: &Maze) -> impl Iterator<Item = CubePrimitive> + '_ {
 /// Returns the borders of the cells.
 fn floor_lines(maze: &Maze) -> LinePrimitive {
     let unit = maze.cell_size_m();
-    let (x, y) = (
-        f64::from(maze.width()) * unit,
-        f64::from(maze.height()) * unit,
-    );
+    let [x, y] = size_m(maze);
     let along = |cells: u16| (1..cells).map(move |i| f64::from(i) * unit);
     let north = along(maze.width()).flat_map(|at| [Point2::new(at, 0.0), Point2::new(at, y)]);
     let east = along(maze.height()).flat_map(|at| [Point2::new(0.0, at), Point2::new(x, at)]);
+    let points = north.chain(east).map(|at| point(at, 0.0)).collect();
+    let pose = place(0.0, 0.0, 0.004 * unit);
     LinePrimitive {
-        r#type: line_primitive::Type::LineList as i32,
-        pose: place(0.0, 0.0, 0.004 * unit),
-        thickness: 1.0,
         scale_invariant: true,
-        points: north.chain(east).map(|at| point(at, 0.0)).collect(),
-        color: color(FLOOR_LINE, 1.0),
-        ..LinePrimitive::default()
+        ..lines(pose, 1.0, points, color(FLOOR_LINE, 1.0))
     }
 }
 

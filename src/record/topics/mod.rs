@@ -24,18 +24,19 @@ pub(super) mod step;
 pub(super) mod trail;
 pub(super) mod transforms;
 pub(super) mod values;
+mod well_known;
 
 pub(super) use caption::Caption;
-pub(super) use scene::{ESTIMATE, ROBOT, WORLD, timestamp};
+pub(super) use scene::{ESTIMATE, ROBOT, WORLD, nanoseconds, size_m, timestamp};
+pub(super) use well_known::{WellKnown, decoded, encoded};
 
 use std::sync::LazyLock;
 
 use foxglove::messages::{FrameTransforms, LaserScan, Log, SceneUpdate};
-use foxglove::{Decode, Encode, Schema};
+use foxglove::{Encode, Schema};
 use strum::VariantArray;
 
 use super::info::RecordingKind;
-use schema::Object;
 
 /// A topic of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, VariantArray)]
@@ -98,14 +99,21 @@ enum Scope {
 }
 
 /// The message type of a topic: a well-known message as protobuf, or one of our own as JSON.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Message {
+#[derive(Clone, Copy)]
+enum Message {
     Frames,
     Scene,
     Scan,
     Log,
-    /// A message of our own, with its fields.
-    Own(fn() -> Object),
+    /// A message of our own, by the name and the text of its schema.
+    Own(&'static str, &'static str),
+}
+
+/// A message of our own, from the name and the file of its schema.
+macro_rules! own {
+    ($name:literal, $file:literal) => {
+        Message::Own($name, include_str!($file))
+    };
 }
 
 impl Topic {
@@ -121,19 +129,31 @@ impl Topic {
             Self::Policy => ("/scene/policy", Scope::Both, Message::Scene),
             Self::Values => ("/values", Scope::Both, Message::Scene),
             Self::Trail => ("/scene/trail", Scope::Both, Message::Scene),
-            Self::Contact => ("/contact", Scope::Episode, Message::Own(contact::schema)),
-            Self::Step => ("/step", Scope::Both, Message::Own(step::schema)),
-            Self::Episode => ("/episode", Scope::Both, Message::Own(episode::schema)),
-            Self::Curve => ("/curve", Scope::Episode, Message::Own(curve::schema)),
+            Self::Contact => (
+                "/contact",
+                Scope::Episode,
+                own!("xcscr.Contact", "contact.json"),
+            ),
+            Self::Step => ("/step", Scope::Both, own!("xcscr.Step", "step.json")),
+            Self::Episode => (
+                "/episode",
+                Scope::Both,
+                own!("xcscr.Episode", "episode.json"),
+            ),
+            Self::Curve => ("/curve", Scope::Episode, own!("xcscr.Curve", "curve.json")),
             Self::Log => ("/log", Scope::Both, Message::Log),
             Self::Caption => ("/scene/caption", Scope::Both, Message::Scene),
-            Self::Rule => ("/rule", Scope::Episode, Message::Own(rule::schema)),
+            Self::Rule => ("/rule", Scope::Episode, own!("xcscr.Rule", "rule.json")),
             Self::RuleText => ("/scene/rule", Scope::Episode, Message::Scene),
             Self::Percept => ("/scene/percept", Scope::Episode, Message::Scene),
             Self::Landscape => ("/scene/values", Scope::Both, Message::Scene),
-            Self::Estimate => ("/estimate", Scope::Sensed, Message::Own(estimate::schema)),
+            Self::Estimate => (
+                "/estimate",
+                Scope::Sensed,
+                own!("xcscr.Estimate", "estimate.json"),
+            ),
             Self::Scan => ("/scan", Scope::Beams, Message::Scan),
-            Self::Ended => ("/ended", Scope::Run, Message::Own(episode::schema_of_ended)),
+            Self::Ended => ("/ended", Scope::Run, own!("xcscr.Ended", "ended.json")),
         }
     }
 
@@ -165,7 +185,7 @@ impl Topic {
     }
 
     /// Returns the type of the topic's messages.
-    pub(super) fn message(self) -> Message {
+    fn message(self) -> Message {
         self.entry().2
     }
 
@@ -200,24 +220,23 @@ impl Topic {
             Message::Scene => SceneUpdate::get_schema(),
             Message::Scan => LaserScan::get_schema(),
             Message::Log => Log::get_schema(),
-            Message::Own(fields) => return fields().schema(explained),
+            Message::Own(name, file) => return schema::schema(name, file, explained),
         };
         descriptor::short(&well_known.expect("well-known messages have a schema"))
     }
 
     /// Returns the first fault of a message against the topic's schema.
     pub(super) fn fault(self, data: &[u8]) -> Option<String> {
-        fn undecodable<M: Decode>(data: &[u8]) -> Option<String> {
-            let fault = M::decode(data).err()?;
-            Some(format!("does not match its schema: {fault}"))
+        static FIELDS: LazyLock<Vec<serde_json::Value>> = LazyLock::new(|| {
+            let all = Topic::ALL.iter();
+            all.map(|topic| schema::fields(topic.schema(RecordingKind::Run)))
+                .collect()
+        });
+        if let Message::Own(..) = self.message() {
+            return schema::fault(&FIELDS[self as usize], data);
         }
-        match self.message() {
-            Message::Frames => undecodable::<FrameTransforms>(data),
-            Message::Scene => undecodable::<SceneUpdate>(data),
-            Message::Scan => undecodable::<LaserScan>(data),
-            Message::Log => undecodable::<Log>(data),
-            Message::Own(fields) => fields().fault(data),
-        }
+        let fault = WellKnown::decode(self, data).err()?;
+        Some(format!("does not match its schema: {fault}"))
     }
 
     /// Returns the encoding of the topic's messages: `json` or `protobuf`.
@@ -235,7 +254,7 @@ fn rounded(number: f64) -> f64 {
 }
 
 /// Rounds a number for JSON messages to three decimals, for legibility.
-fn decimal(number: f64) -> f64 {
+pub(super) fn decimal(number: f64) -> f64 {
     (number * 1000.0).round() / 1000.0 + 0.0
 }
 

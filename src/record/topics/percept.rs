@@ -1,11 +1,10 @@
 //! `/scene/percept`: the perceived-cells overlay, with a frame around each of the eight
 //! neighbouring cells, and the estimated pose.
 
-use foxglove::messages::{LinePrimitive, Point3, SceneEntity, SceneUpdate, line_primitive};
+use foxglove::messages::{LinePrimitive, Point3, SceneEntity, SceneUpdate};
 use nalgebra::{Point2, Vector2};
 
-use super::rounded;
-use super::scene::{WORLD, color, entity, place, point, update};
+use super::scene::{WORLD, color, entity, indices_by_four, lines, place, point, update};
 use crate::sensor::Sensor;
 use crate::world::{Cell, Direction, Maze};
 use xcs::Percept;
@@ -79,18 +78,9 @@ fn perceived(percept: &Percept, number: usize) -> usize {
 /// Creates the frames with these corners around a cell.
 fn frames_of(maze: &Maze, cell: Cell, rgb: u32, corners: Vec<Point3>) -> LinePrimitive {
     let (at, unit) = (maze.centre_in_grid(cell), maze.cell_size_m());
-    let edges = [0, 1, 1, 2, 2, 3, 3, 0];
-    let frames = 0..corners.len() as u32 / 4;
+    let pose = place(at.x, at.y, HEIGHT * unit);
     LinePrimitive {
-        r#type: line_primitive::Type::LineList as i32,
-        pose: place(at.x, at.y, HEIGHT * unit),
-        thickness: rounded(THICK * unit),
-        scale_invariant: false,
-        points: corners,
-        color: color(rgb, 0.9),
-        colors: Vec::new(),
-        indices: frames
-            .flat_map(|frame| edges.map(|corner| 4 * frame + corner))
-            .collect(),
+        indices: indices_by_four(&corners, [0, 1, 1, 2, 2, 3, 3, 0]),
+        ..lines(pose, THICK * unit, corners, color(rgb, 0.9))
     }
 }

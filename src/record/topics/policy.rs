@@ -5,11 +5,11 @@
 
 use std::collections::BTreeMap;
 
-use foxglove::messages::{Color, CubePrimitive, Point3, SceneUpdate, TriangleListPrimitive};
+use foxglove::messages::{Color, CubePrimitive, Point3, SceneUpdate};
 use nalgebra::{Point2, Vector2};
 
 use super::rounded;
-use super::scene::{WORLD, color, cube, entity, place, point, update, vector};
+use super::scene::{WORLD, color, cube, entity, mixed, place, point, quads, update, vector};
 use crate::episode::PolicyMap;
 use crate::picture::{NO_GOAL, SCALE};
 use crate::world::{Cell, Direction, Maze};
@@ -23,8 +23,6 @@ const ARROW: [[f64; 2]; ARROW_CORNERS] = [[15.0, 0.0], [4.0, 6.0], [7.0, 0.0], [
 const PARTS: f64 = 32.0;
 /// The number of corners of an arrow. The first one is its tip.
 pub(in crate::record) const ARROW_CORNERS: usize = 4;
-/// The two triangles of an arrow, by corner.
-const TRIANGLES: [u32; 6] = [0, 1, 2, 0, 2, 3];
 /// The height of the paint above the floor, in cells.
 const PAINT: f64 = 0.02;
 /// The maximum height of a column and its width, in cells.
@@ -33,8 +31,7 @@ const COLUMN: [f64; 2] = [1.2, 0.6875];
 /// A cell with arrows, their shade, and its best actions as bits.
 pub(in crate::record) type Mark = (Cell, u8, u8);
 
-/// Returns everything that determines how the arrows look. Comparing these marks takes a fraction
-/// of the time that creating the arrows takes.
+/// Returns the arrows: one for each best action of each cell with known values.
 pub(in crate::record) fn marks(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<Mark> {
     let near = policy
         .into_iter()
@@ -47,33 +44,21 @@ pub(in crate::record) fn marks(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<M
     marks.filter(|(.., bits)| *bits != 0).collect()
 }
 
-/// Creates an arrow for each best action of each cell with known values; several on ties.
-pub(in crate::record) fn arrows(
-    policy: Option<&PolicyMap>,
-    maze: &Maze,
-) -> Vec<TriangleListPrimitive> {
+/// Creates the scene of the arrows; empty if no value is known.
+pub(in crate::record) fn scene(marks: &[Mark], maze: &Maze, time_ns: u64) -> SceneUpdate {
     let mut arrows: BTreeMap<u8, Vec<Point3>> = BTreeMap::new();
-    let near = policy
-        .into_iter()
-        .flat_map(|p| p.cells().zip(p.nearness(maze)));
-    for ((cell, values), near) in near {
-        let best = values.best_actions();
-        let mut best = best.filter_map(|action| maze.direction(action)).peekable();
-        if best.peek().is_some() {
-            let corners = arrows.entry(shade(near)).or_default();
-            corners.extend(best.flat_map(|direction| arrow(maze, *cell, direction)));
-        }
+    for &(cell, shade, bits) in marks {
+        let directions = maze.moves().directions().iter().enumerate();
+        let best = directions.filter(|(action, _)| bits >> action & 1 == 1);
+        let corners = best.flat_map(|(_, direction)| arrow(maze, cell, *direction));
+        arrows.entry(shade).or_default().extend(corners);
     }
-    let arrows = arrows.into_iter();
-    arrows
-        .map(|(shade, corners)| triangles(maze, shade, corners))
-        .collect()
-}
-
-/// Creates the scene of these arrows; empty if no value is known.
-pub(in crate::record) fn scene(arrows: Vec<TriangleListPrimitive>, time_ns: u64) -> SceneUpdate {
     let mut policy = entity("policy", WORLD, time_ns);
-    policy.triangles = arrows;
+    let arrows = arrows.into_iter().map(|(shade, corners)| {
+        let pose = place(0.0, 0.0, PAINT * maze.cell_size_m());
+        quads(pose, corners, colour(shade, 1.0))
+    });
+    policy.triangles = arrows.collect();
     update(vec![policy])
 }
 
@@ -118,19 +103,6 @@ fn arrow(maze: &Maze, cell: Cell, direction: Direction) -> [Point3; ARROW_CORNER
     })
 }
 
-fn triangles(maze: &Maze, shade: u8, corners: Vec<Point3>) -> TriangleListPrimitive {
-    let arrows = 0..corners.len() as u32 / 4;
-    TriangleListPrimitive {
-        pose: place(0.0, 0.0, PAINT * maze.cell_size_m()),
-        points: corners,
-        color: colour(shade, 1.0),
-        colors: Vec::new(),
-        indices: arrows
-            .flat_map(|arrow| TRIANGLES.map(|corner| 4 * arrow + corner))
-            .collect(),
-    }
-}
-
 /// Returns the level of a share from 0 (far) to 1 (near), and one beyond the levels if there is
 /// none.
 fn shade(share: Option<f64>) -> u8 {
@@ -138,21 +110,16 @@ fn shade(share: Option<f64>) -> u8 {
 }
 
 /// Returns the colour of a level.
-pub(super) fn colour(shade: u8, opacity: f64) -> Option<Color> {
-    if f64::from(shade) > SHADES {
-        return color(NO_GOAL, opacity);
-    }
-    let [far, middle, near] = SCALE.map(|rgb| color(rgb, 1.0).unwrap_or_default());
+pub(super) fn colour(shade: u8, opacity: f64) -> Color {
+    let [far, middle, near] = SCALE.map(|rgb| color(rgb, 1.0));
     let rank = f64::from(shade) / SHADES;
-    let (from, to, share) = match rank < 0.5 {
-        true => (far, middle, 2.0 * rank),
-        false => (middle, near, 2.0 * rank - 1.0),
+    let colour = match 2.0 * rank {
+        twice if twice > 2.0 => color(NO_GOAL, 1.0),
+        twice if twice < 1.0 => mixed(far, middle, twice),
+        twice => mixed(middle, near, twice - 1.0),
     };
-    let blend = |from: f64, to: f64| rounded(from + (to - from) * share);
-    Some(Color {
-        r: blend(from.r, to.r),
-        g: blend(from.g, to.g),
-        b: blend(from.b, to.b),
+    Color {
         a: rounded(opacity),
-    })
+        ..colour
+    }
 }

@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use foxglove::messages::{LinePrimitive, Point3, SceneEntity, line_primitive};
+use foxglove::messages::{LinePrimitive, Point3, SceneEntity};
 use nalgebra::{Point2, Vector2};
 
 use super::scan::angle;
-use super::scene::{WORLD, color, entity, place, point};
+use super::scene::{WORLD, color, entity, lines, place, point, size_m};
 use crate::arena::{Beam, View};
 
 /// The colour of a beam, and of its end in `/scan` in the layouts.
@@ -39,15 +39,11 @@ pub(in crate::record) fn rays(view: &View<'_>) -> Option<SceneEntity> {
         points.push(on_grid(to));
     }
     let mut rays = entity("beams", WORLD, view.now().time_ns);
+    let pose = place(at.x, at.y, HEIGHT * unit);
     rays.lines = vec![LinePrimitive {
-        r#type: line_primitive::Type::LineList as i32,
-        pose: place(at.x, at.y, HEIGHT * unit),
-        thickness: 1.5,
         scale_invariant: true,
-        points,
-        color: color(BEAM, OPACITY),
-        colors: Vec::new(),
         indices,
+        ..lines(pose, 1.5, points, color(BEAM, OPACITY))
     }];
     Some(rays)
 }
@@ -74,9 +70,7 @@ fn ray(view: &View<'_>, beam: &Beam) -> Option<(Point2<f64>, Point2<f64>)> {
         * beam.bearing
         * Vector2::new(beam.range_m.filter(|range_m| range_m.is_finite())?, 0.0);
     let [from, to] = [from, from + ahead].map(|point| view.maze.point_in_grid(point));
-    let unit = view.maze.cell_size_m();
-    let size = [view.maze.width(), view.maze.height()].map(|cells| f64::from(cells) * unit);
-    Some((from, within(from, to, size)))
+    Some((from, within(from, to, size_m(view.maze))))
 }
 
 /// Clips a ray to the maze, whose side lengths are in metres: a range can be far too long.

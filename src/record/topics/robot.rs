@@ -2,10 +2,10 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use foxglove::messages::{CylinderPrimitive, Pose, Quaternion, SceneEntity, SceneUpdate};
+use foxglove::messages::{CylinderPrimitive, Quaternion, SceneEntity, SceneUpdate};
 
 use super::rounded;
-use super::scene::{ROBOT, color, entity, place, update, vector};
+use super::scene::{ROBOT, color, cylinder, entity, place, turned, update, vector};
 use crate::record::info::RobotShape;
 
 const BODY: u32 = 0xf58220;
@@ -41,31 +41,27 @@ pub(in crate::record) fn scene(
 fn ahead([from, to]: [f64; 2], high: f64, [wide, narrow]: [f64; 2]) -> CylinderPrimitive {
     // A quarter turn about y lays the cylinder's axis along x.
     let quarter = rounded(FRAC_1_SQRT_2);
-    CylinderPrimitive {
-        pose: Some(Pose {
-            position: Some(vector((from + to) / 2.0, 0.0, high)),
-            orientation: Some(Quaternion {
-                y: quarter,
-                w: quarter,
-                ..Quaternion::default()
-            }),
-        }),
-        size: Some(vector(wide, wide, to - from)),
-        bottom_scale: 1.0,
-        top_scale: rounded(narrow / wide),
-        color: color(NOSE, 1.0),
-    }
+    let along_x = Quaternion {
+        y: quarter,
+        w: quarter,
+        ..Quaternion::default()
+    };
+    cylinder(
+        turned([(from + to) / 2.0, 0.0, high], along_x),
+        vector(wide, wide, to - from),
+        narrow / wide,
+        color(NOSE, 1.0),
+    )
 }
 
 /// Creates a round slice from height `bottom` upwards, with a scaled top.
 fn disc(radius: f64, bottom: f64, high: f64, top_scale: f64, rgb: u32) -> CylinderPrimitive {
-    CylinderPrimitive {
-        pose: place(0.0, 0.0, bottom + high / 2.0),
-        size: Some(vector(2.0 * radius, 2.0 * radius, high)),
-        bottom_scale: 1.0,
-        top_scale: rounded(top_scale),
-        color: color(rgb, 1.0),
-    }
+    cylinder(
+        place(0.0, 0.0, bottom + high / 2.0),
+        vector(2.0 * radius, 2.0 * radius, high),
+        top_scale,
+        color(rgb, 1.0),
+    )
 }
 
 /// Creates a wheel on the left or the right; `side` is a share of the wheel base.
@@ -73,18 +69,15 @@ fn wheel(robot: &RobotShape, side: f64) -> CylinderPrimitive {
     let radius = robot.wheel_radius_m();
     // A quarter turn about x lays the cylinder's axis along y.
     let quarter = rounded(FRAC_1_SQRT_2);
-    CylinderPrimitive {
-        pose: Some(Pose {
-            position: Some(vector(0.0, side * robot.wheel_base_m, radius)),
-            orientation: Some(Quaternion {
-                x: quarter,
-                w: quarter,
-                ..Quaternion::default()
-            }),
-        }),
-        size: Some(vector(2.0 * radius, 2.0 * radius, 0.6 * radius)),
-        bottom_scale: 1.0,
-        top_scale: 1.0,
-        color: color(TYRE, 1.0),
-    }
+    let along_y = Quaternion {
+        x: quarter,
+        w: quarter,
+        ..Quaternion::default()
+    };
+    cylinder(
+        turned([0.0, side * robot.wheel_base_m, radius], along_y),
+        vector(2.0 * radius, 2.0 * radius, 0.6 * radius),
+        1.0,
+        color(TYRE, 1.0),
+    )
 }

@@ -1,11 +1,9 @@
 //! `/rule` and `/scene/rule`: why an action was selected, as text, from the decision on.
 
-use foxglove::messages::{SceneUpdate, TextPrimitive};
+use foxglove::messages::SceneUpdate;
 use serde::Serialize;
 
-use super::rounded;
-use super::scene::{ROBOT, color, entity, place, update};
-use super::schema::Object;
+use super::scene::{ROBOT, entity, label, place, update};
 use crate::agent::Chooser;
 use crate::episode::Step;
 use crate::sensor::Sensor;
@@ -27,7 +25,7 @@ const FIRST: f64 = 3.6;
 const NEXT: f64 = 2.5;
 /// The visible share of an upright object's height, because the camera looks down steeply.
 const SEEN_UPRIGHT: f64 = 0.9;
-/// The numbers of the directions.
+/// The numbers of the directions, as in `rule.json`.
 const HEADINGS: [(u8, &str); 8] = [
     (0, "north"),
     (1, "east"),
@@ -99,7 +97,7 @@ impl RuleRecord {
         let upwards = (0..).map(|line| (FIRST + NEXT * f64::from(line)) * height);
         words.texts = lines
             .zip(upwards)
-            .map(|(line, up)| text_above(up, height, rgb, &line))
+            .map(|(line, up)| label(place(0.0, 0.0, up), height, rgb, &line))
             .collect();
         update(vec![words])
     }
@@ -219,34 +217,6 @@ fn runner_up(step: &Step<'_>) -> Option<Action> {
     let others = others.filter(|&(action, _)| action != step.action);
     let best = others.reduce(|best, next| if next.1 > best.1 { next } else { best });
     best.map(|(action, _)| action)
-}
-
-/// Creates a text above the robot's middle.
-fn text_above(up: f64, height: f64, rgb: u32, text: &str) -> TextPrimitive {
-    TextPrimitive {
-        pose: place(0.0, 0.0, up),
-        billboard: true,
-        font_size: rounded(height),
-        scale_invariant: false,
-        color: color(rgb, 1.0),
-        text: text.to_owned(),
-    }
-}
-
-pub(super) fn schema() -> Object {
-    Object::new("xcscr.Rule")
-        .count("episode", "from 1")
-        .count("step", "from 1 in each episode")
-        .text("action", "direction chosen")
-        .named("heading", &HEADINGS, "the action as a number")
-        .text("chosen_by", "rules, table, planner, chance")
-        .bool("explored", "chosen to explore?")
-        .text("seen", "what is perceived, in words")
-        .text("percept", "the same as bits")
-        .text("rule", "the rule of [A] that weighs most in words, action, value, error, and how many of the rules in [M] advocate it")
-        .text("runner_up", "the best other action, and its value")
-        .count("left", "percent of the step-threshold that are left, this step included")
-        .numbers("values", "of each action, clockwise from north, in percent of what a goal pays; null: unknown")
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ fn scan(beams: &[Beam], time_ns: u64) -> Option<(u64, LaserScan)> {
     let message = LaserScan {
         timestamp: Some(timestamp(time_ns)),
         frame_id: ROBOT.to_owned(),
-        pose: place(0.0, 0.0, 0.0),
+        pose: Some(place(0.0, 0.0, 0.0)),
         start_angle: rounded(start_rad),
         end_angle: rounded(start_rad + apart_rad * (beams.len() - 1) as f64),
         ranges: beams.iter().map(range).collect(),

@@ -1,12 +1,13 @@
 //! Building blocks of 3D scenes.
 
 use foxglove::messages::{
-    Color, CubePrimitive, Point3, Pose, Quaternion, SceneEntity, SceneUpdate, TextPrimitive,
-    Timestamp, Vector3,
+    Color, CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, Pose, Quaternion, SceneEntity,
+    SceneUpdate, TextPrimitive, Timestamp, TriangleListPrimitive, Vector3, line_primitive,
 };
 use nalgebra::{Point2, UnitComplex};
 
 use super::rounded;
+use crate::world::Maze;
 
 /// The grid frame, in which all static objects are drawn: origin in the south-western corner, x
 /// east, y north, z up.
@@ -18,6 +19,11 @@ pub(in crate::record) const ROBOT: &str = "robot";
 /// The robot's frame at its estimated pose, relative to its true pose.
 pub(in crate::record) const ESTIMATE: &str = "estimate";
 
+/// Returns the width and the height of a maze, in metres.
+pub(in crate::record) fn size_m(maze: &Maze) -> [f64; 2] {
+    [maze.width(), maze.height()].map(|cells| f64::from(cells) * maze.cell_size_m())
+}
+
 /// Converts a time of the simulation clock.
 pub(in crate::record) fn timestamp(time_ns: u64) -> Timestamp {
     const SECOND: u64 = 1_000_000_000;
@@ -25,15 +31,31 @@ pub(in crate::record) fn timestamp(time_ns: u64) -> Timestamp {
     Timestamp::new(sec, (time_ns % SECOND) as u32)
 }
 
+/// Converts a timestamp to nanoseconds of the simulation clock.
+pub(in crate::record) fn nanoseconds(stamp: Timestamp) -> u64 {
+    u64::from(stamp.sec()) * 1_000_000_000 + u64::from(stamp.nsec())
+}
+
 /// Returns the colour `0xRRGGBB` with an opacity from 0 to 1.
-pub(super) fn color(rgb: u32, opacity: f64) -> Option<Color> {
+pub(super) fn color(rgb: u32, opacity: f64) -> Color {
     let part = |shift: u32| rounded(f64::from(rgb >> shift & 0xff) / 255.0);
-    Some(Color {
+    Color {
         r: part(16),
         g: part(8),
         b: part(0),
         a: rounded(opacity),
-    })
+    }
+}
+
+/// Returns the opaque colour at a share, from 0 to 1, of the way between two colours.
+pub(super) fn mixed(from: Color, to: Color, share: f64) -> Color {
+    let mix = |from: f64, to: f64| rounded(from + (to - from) * share);
+    Color {
+        r: mix(from.r, to.r),
+        g: mix(from.g, to.g),
+        b: mix(from.b, to.b),
+        a: 1.0,
+    }
 }
 
 pub(super) fn vector(x: f64, y: f64, z: f64) -> Vector3 {
@@ -64,33 +86,93 @@ pub(super) fn heading(heading: UnitComplex<f64>) -> Quaternion {
 }
 
 /// Returns a pose at a position, with the axes of the frame.
-pub(super) fn place(x: f64, y: f64, z: f64) -> Option<Pose> {
-    Some(Pose {
-        position: Some(vector(x, y, z)),
-        orientation: Some(Quaternion {
-            w: 1.0,
-            ..Quaternion::default()
-        }),
-    })
+pub(super) fn place(x: f64, y: f64, z: f64) -> Pose {
+    let unturned = Quaternion {
+        w: 1.0,
+        ..Quaternion::default()
+    };
+    turned([x, y, z], unturned)
 }
 
-pub(super) fn cube(pose: Option<Pose>, size: Vector3, color: Option<Color>) -> CubePrimitive {
-    CubePrimitive {
-        pose,
-        size: Some(size),
-        color,
+/// Returns a pose at a position with this rotation.
+pub(super) fn turned([x, y, z]: [f64; 3], rotation: Quaternion) -> Pose {
+    Pose {
+        position: Some(vector(x, y, z)),
+        orientation: Some(rotation),
     }
 }
 
+pub(super) fn cube(pose: Pose, size: Vector3, color: Color) -> CubePrimitive {
+    CubePrimitive {
+        pose: Some(pose),
+        size: Some(size),
+        color: Some(color),
+    }
+}
+
+/// Creates a cylinder, whose axis is the z axis of its pose. The top is scaled by `top`.
+pub(super) fn cylinder(pose: Pose, size: Vector3, top: f64, color: Color) -> CylinderPrimitive {
+    CylinderPrimitive {
+        pose: Some(pose),
+        size: Some(size),
+        bottom_scale: 1.0,
+        top_scale: rounded(top),
+        color: Some(color),
+    }
+}
+
+/// Creates lines between pairs of points, with a thickness in metres.
+pub(super) fn lines(
+    pose: Pose,
+    thickness: f64,
+    points: Vec<Point3>,
+    color: Color,
+) -> LinePrimitive {
+    LinePrimitive {
+        r#type: line_primitive::Type::LineList as i32,
+        pose: Some(pose),
+        thickness: rounded(thickness),
+        points,
+        color: Some(color),
+        ..LinePrimitive::default()
+    }
+}
+
+/// Creates quadrilaterals of two triangles each, from four corners each.
+pub(super) fn quads(pose: Pose, corners: Vec<Point3>, color: Color) -> TriangleListPrimitive {
+    TriangleListPrimitive {
+        pose: Some(pose),
+        indices: indices_by_four(&corners, [0, 1, 2, 0, 2, 3]),
+        points: corners,
+        color: Some(color),
+        colors: Vec::new(),
+    }
+}
+
+/// Returns indices into points, from the indices within each four points.
+pub(super) fn indices_by_four<const N: usize>(points: &[Point3], each: [u32; N]) -> Vec<u32> {
+    let fours = 0..points.len() as u32 / 4;
+    let indices = fours.flat_map(|four| each.map(|corner| 4 * four + corner));
+    indices.collect()
+}
+
 /// Creates text that lies on the floor and reads from the south.
-pub(super) fn words(pose: Option<Pose>, height: f64, rgb: u32, text: &str) -> TextPrimitive {
+pub(super) fn words(pose: Pose, height: f64, rgb: u32, text: &str) -> TextPrimitive {
     TextPrimitive {
-        pose,
+        pose: Some(pose),
         billboard: false,
         font_size: rounded(height),
         scale_invariant: false,
-        color: color(rgb, 1.0),
+        color: Some(color(rgb, 1.0)),
         text: text.to_owned(),
+    }
+}
+
+/// Creates text that faces the camera.
+pub(super) fn label(pose: Pose, height: f64, rgb: u32, text: &str) -> TextPrimitive {
+    TextPrimitive {
+        billboard: true,
+        ..words(pose, height, rgb, text)
     }
 }
 
@@ -137,5 +219,6 @@ mod tests {
     #[test]
     fn a_timestamp_counts_seconds_and_nanoseconds() {
         assert_eq!(timestamp(1_500_000_000), Timestamp::new(1, 500_000_000));
+        assert_eq!(nanoseconds(timestamp(1_500_000_000)), 1_500_000_000);
     }
 }

@@ -1,16 +1,16 @@
 //! `/step`: a step, at the time when its outcome is known.
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
-use super::schema::Object;
-use super::{decimal, episode};
+use super::decimal;
+use super::episode::decimals;
 use crate::arena::Outcome;
 use crate::episode::Step;
 use xcs::{Percept, PredictionArray};
 
 /// The percept, the decision and the outcome of a step.
 #[derive(Debug, Serialize)]
-pub(in crate::record) struct StepRecord<'a> {
+pub(in crate::record) struct StepRecord {
     episode: u32,
     step: u32,
     col: u16,
@@ -27,26 +27,26 @@ pub(in crate::record) struct StepRecord<'a> {
     left: f64,
     reward: f64,
     #[serde(serialize_with = "decimals")]
-    values: &'a PredictionArray,
+    values: PredictionArray,
     error: f64,
     match_set: u32,
     action_set: u32,
 }
 
-impl<'a> StepRecord<'a> {
-    pub fn new(step: &'a Step<'_>) -> Self {
-        let direction = step.view.maze.direction(step.action);
+impl StepRecord {
+    pub fn new(step: &Step<'_>) -> Self {
+        let name = |action| {
+            let direction = step.view.maze.direction(action);
+            direction.map_or("unknown", |direction| direction.name())
+        };
         Self {
             episode: step.episode,
             step: step.step,
             col: step.cell.col,
             row: step.cell.row,
             percept: step.percept,
-            action: direction.map_or("unknown", |d| d.name()),
-            executed: step.view.executed.map(|action| {
-                let direction = step.view.maze.direction(action);
-                direction.map_or("unknown", |d| d.name())
-            }),
+            action: name(step.action),
+            executed: step.view.executed.map(name),
             explored: step.explored,
             chosen_by: step.chooser.name(),
             rule: step.fired().map_or_else(String::new, String::from),
@@ -54,7 +54,7 @@ impl<'a> StepRecord<'a> {
             result: outcome(step.outcome).0,
             left: left(step),
             reward: decimal(step.credit.short_term_reward),
-            values: &step.values,
+            values: step.values,
             error: decimal(step.credit.error),
             match_set: step.credit.match_set,
             action_set: step.credit.action_set,
@@ -62,11 +62,7 @@ impl<'a> StepRecord<'a> {
     }
 }
 
-fn decimals<S: Serializer>(values: &&PredictionArray, serializer: S) -> Result<S::Ok, S::Error> {
-    episode::decimals(values, serializer)
-}
-
-/// The numbers and names of outcomes in files.
+/// The numbers and names of outcomes, as in `step.json`.
 const OUTCOMES: [(u8, &str); 5] = [
     (0, "moved"),
     (1, "collided"),
@@ -89,32 +85,4 @@ fn outcome(outcome: Outcome) -> (u8, &'static str) {
 fn left(step: &Step<'_>) -> f64 {
     let most = step.method.step_threshold().max(1);
     decimal(1.0 - f64::from(step.step.min(most)) / f64::from(most))
-}
-
-pub(super) fn schema() -> Object {
-    Object::new("xcscr.Step")
-        .count("episode", "from 1")
-        .count("step", "from 1 in each episode")
-        .count("col", "cell before the step, from the west")
-        .count("row", "cell before the step, from the north")
-        .text("percept", "bits perceived there")
-        .text("action", "direction chosen")
-        .text("executed", "direction carried out, where actions slip")
-        .bool("explored", "chosen to explore?")
-        .text("chosen_by", "rules, table, planner, chance")
-        .text("rule", "condition of the rule that decided")
-        .text(
-            "outcome",
-            "moved, collided, stalled, reached-goal, found-reward",
-        )
-        .named("result", &OUTCOMES, "the outcome as a number")
-        .number("left", "share of the step-threshold that is left")
-        .number("reward", "short-term reward")
-        .numbers(
-            "values",
-            "of each action, clockwise from north; null: unknown",
-        )
-        .number("error", "mean prediction error of [A], in reward")
-        .count("match_set", "micro-classifiers in [M]")
-        .count("action_set", "micro-classifiers in [A]")
 }

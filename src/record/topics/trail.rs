@@ -2,12 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use foxglove::messages::{
-    Color, CylinderPrimitive, LinePrimitive, Point3, SceneUpdate, line_primitive,
-};
+use foxglove::messages::{Color, CylinderPrimitive, LinePrimitive, Point3, SceneUpdate};
 use nalgebra::{Point2, Vector2};
 
-use super::scene::{WORLD, color, entity, place, point, update, vector};
+use super::scene::{WORLD, color, cylinder, entity, lines, place, point, update, vector};
 use crate::arena::{Contact, Sample, View};
 use crate::world::{Cell, Maze};
 
@@ -35,13 +33,13 @@ const MAX_HITS: usize = 64;
 const SHORT: usize = 128;
 
 /// The trajectory so far.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(in crate::record) struct Trail {
     /// By cell index: the number of the point where the robot first stood in the cell.
     visited: BTreeMap<usize, u32>,
     points: Vec<Point3>,
-    /// The borders that were crossed, by cell index and direction.
-    crossed: BTreeSet<usize>,
+    /// The borders that were crossed, as the indices of both cells in ascending order.
+    crossed: BTreeSet<[usize; 2]>,
     /// Two point numbers for each crossed border.
     lines: Vec<u32>,
     /// The trajectory as it was driven: its speed, as an index into the colours, and both ends.
@@ -58,16 +56,8 @@ pub(in crate::record) struct Trail {
 impl Trail {
     pub fn new(maze: &Maze) -> Self {
         Self {
-            visited: BTreeMap::new(),
-            points: Vec::new(),
-            crossed: BTreeSet::new(),
-            lines: Vec::new(),
-            pieces: VecDeque::new(),
-            is_cut: false,
             unit_m: maze.cell_size_m(),
-            at: None,
-            steps: 0,
-            hits: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -85,13 +75,9 @@ impl Trail {
         let at = maze.point_in_grid(contact.point_in_map);
         let share = (contact.impulse_ns / HARD_NS).clamp(0.3, 1.0);
         let wide = 0.36 * self.unit_m * share;
-        self.hits.push(CylinderPrimitive {
-            pose: place(at.x, at.y, 0.26 * self.unit_m),
-            size: Some(vector(wide, wide, 0.02 * self.unit_m)),
-            bottom_scale: 1.0,
-            top_scale: 1.0,
-            color: color(HIT, 0.9),
-        });
+        let (pose, high) = (place(at.x, at.y, 0.26 * self.unit_m), 0.02 * self.unit_m);
+        let size = vector(wide, wide, high);
+        self.hits.push(cylinder(pose, size, 1.0, color(HIT, 0.9)));
     }
 
     /// Continues along these poses to the robot's position.
@@ -107,7 +93,8 @@ impl Trail {
         let Some(&before) = self.visited.get(&view.maze.index(from)) else {
             return;
         };
-        let border = border(view.maze, from, to);
+        let mut border = [from, to].map(|cell| view.maze.index(cell));
+        border.sort_unstable();
         if self.crossed.insert(border) {
             self.lines.extend([before, number]);
         }
@@ -183,15 +170,17 @@ impl Trail {
     pub fn scene(&self, time_ns: u64) -> SceneUpdate {
         let mut trail = entity("trail", WORLD, time_ns);
         if self.is_cut && !self.lines.is_empty() {
-            let points = self.points.clone();
-            let lines = (points, self.lines.clone());
-            trail.lines.push(self.line([0.04, 0.03], SPEEDS[1], lines));
+            trail.lines.push(LinePrimitive {
+                indices: self.lines.clone(),
+                ..self.line([0.04, 0.03], self.points.clone())
+            });
         }
         if !self.pieces.is_empty() {
             let (points, colors, indices) = joined(self.pieces.iter().copied());
             trail.lines.push(LinePrimitive {
                 colors,
-                ..self.line([0.055, 0.035], SPEEDS[1], (points, indices))
+                indices,
+                ..self.line([0.055, 0.035], points)
             });
         }
         let mut hits = entity("hits", WORLD, time_ns);
@@ -200,22 +189,9 @@ impl Trail {
     }
 
     /// Creates lines between pairs of points; thickness and height above the floor are in cells.
-    fn line(
-        &self,
-        [thick, high]: [f64; 2],
-        rgb: u32,
-        (points, indices): (Vec<Point3>, Vec<u32>),
-    ) -> LinePrimitive {
-        LinePrimitive {
-            r#type: line_primitive::Type::LineList as i32,
-            pose: place(0.0, 0.0, high * self.unit_m),
-            thickness: super::rounded(thick * self.unit_m),
-            scale_invariant: false,
-            points,
-            color: color(rgb, 1.0),
-            colors: Vec::new(),
-            indices,
-        }
+    fn line(&self, [thick, high]: [f64; 2], points: Vec<Point3>) -> LinePrimitive {
+        let pose = place(0.0, 0.0, high * self.unit_m);
+        lines(pose, thick * self.unit_m, points, color(SPEEDS[1], 1.0))
     }
 }
 
@@ -235,7 +211,7 @@ fn joined(
 ) -> (Vec<Point3>, Vec<Color>, Vec<u32>) {
     let (mut points, mut colors, mut numbers) = (Vec::new(), Vec::new(), Vec::new());
     for (shade, [from, to]) in pieces {
-        let rgb = color(SPEEDS[shade], 1.0).unwrap_or_default();
+        let rgb = color(SPEEDS[shade], 1.0);
         if points.last() != Some(&from) {
             points.push(from);
             colors.push(rgb);
@@ -270,25 +246,6 @@ fn are_adjacent(a: Cell, b: Cell) -> bool {
     a.col.abs_diff(b.col) <= 1 && a.row.abs_diff(b.row) <= 1
 }
 
-/// Returns the number of the border or corner between two touching cells, in either order.
-fn border(maze: &Maze, a: Cell, b: Cell) -> usize {
-    let (first, second) = if (a.row, a.col) < (b.row, b.col) {
-        (a, b)
-    } else {
-        (b, a)
-    };
-    let kind = match (
-        second.row - first.row,
-        i32::from(second.col) - i32::from(first.col),
-    ) {
-        (0, _) => 0,
-        (_, -1) => 1,
-        (_, 0) => 2,
-        _ => 3,
-    };
-    4 * maze.index(first) + kind
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -311,7 +268,7 @@ mod tests {
         assert_eq!(points, [0.0, 1.0, 2.0, 4.0, 5.0].map(at));
         assert_eq!(
             colors,
-            [0, 0, 1, 2, 2].map(|shade| color(SPEEDS[shade], 1.0).unwrap())
+            [0, 0, 1, 2, 2].map(|shade| color(SPEEDS[shade], 1.0))
         );
         assert_eq!(numbers, [0, 1, 1, 2, 3, 4]);
     }

@@ -5,14 +5,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use foxglove::messages::{
-    Color, LinePrimitive, Point3, SceneUpdate, TriangleListPrimitive, line_primitive,
-};
+use foxglove::messages::{Color, LinePrimitive, Point3, SceneUpdate, line_primitive};
 use nalgebra::Vector2;
 
 use super::maze::FLOOR;
-use super::scene::{WORLD, color, entity, place, point, update};
-use super::{policy, rounded};
+use super::policy;
+use super::scene::{WORLD, color, entity, lines, mixed, place, point, quads, update};
 use crate::episode::PolicyMap;
 use crate::world::{Cell, Maze};
 
@@ -25,9 +23,8 @@ const GOOD: u32 = 0x5aa9ff;
 const SHARES: [f64; 2] = [0.08, 0.78];
 /// The number of levels between these shares. Each level is a list of triangles in one colour.
 const SHADES: f64 = 8.0;
-/// The corners of a cell relative to its middle, and the two triangles between them.
+/// The corners of a cell relative to its middle.
 const CORNERS: [[f64; 2]; 4] = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
-const TRIANGLES: [u32; 6] = [0, 1, 2, 0, 2, 3];
 
 /// Mazes with more columns or rows than this are large.
 const LARGE: u16 = 12;
@@ -99,10 +96,12 @@ pub(in crate::record) fn scene(shown: &Floor, maze: &Maze, time_ns: u64) -> Scen
         corners.entry(tint).or_default().extend(around);
     }
     let mut floor = entity("values", WORLD, time_ns);
-    let corners = corners.into_iter();
-    floor.triangles = corners
-        .map(|(tint, corners)| squares(maze, tint, corners))
-        .collect();
+    let lift_m = LIFT[usize::from(is_large(maze))] * maze.cell_size_m();
+    let squares = corners.into_iter().map(|(tint, corners)| {
+        let pose = place(0.0, 0.0, lift_m);
+        quads(pose, corners, colour(maze, tint))
+    });
+    floor.triangles = squares.collect();
     if let [_, _, ..] = shown.path[..] {
         floor.lines.push(path_line(&shown.path, maze));
     }
@@ -116,56 +115,23 @@ fn path_line(cells: &[Cell], maze: &Maze) -> LinePrimitive {
     let middles = cells
         .iter()
         .map(|&cell| point(maze.centre_in_grid(cell), 0.0));
+    let (pose, points) = (place(0.0, 0.0, HIGH * unit), middles.collect());
     LinePrimitive {
         r#type: line_primitive::Type::LineStrip as i32,
-        pose: place(0.0, 0.0, HIGH * unit),
-        thickness: rounded(THICK * side_m),
-        scale_invariant: false,
-        points: middles.collect(),
-        color: color(PATH, 1.0),
-        ..LinePrimitive::default()
+        ..lines(pose, THICK * side_m, points, color(PATH, 1.0))
     }
 }
 
-fn squares(maze: &Maze, (is_bad, shade): Tint, corners: Vec<Point3>) -> TriangleListPrimitive {
-    let squares = 0..corners.len() as u32 / 4;
-    TriangleListPrimitive {
-        pose: place(
-            0.0,
-            0.0,
-            LIFT[usize::from(is_large(maze))] * maze.cell_size_m(),
-        ),
-        points: corners,
-        color: Some(match is_large(maze) {
-            true => field(if is_bad { SHADES as u8 - shade } else { shade }),
-            false => of_share(if is_bad { BAD } else { GOOD }, shade),
-        }),
-        colors: Vec::new(),
-        indices: squares
-            .flat_map(|square| TRIANGLES.map(|corner| 4 * square + corner))
-            .collect(),
+/// Returns the colour of a cell: in a large maze that of an arrow of its rank, otherwise red or
+/// blue, mixed into the floor's colour.
+fn colour(maze: &Maze, (is_bad, shade): Tint) -> Color {
+    let floor = color(FLOOR, 1.0);
+    if is_large(maze) {
+        let shade = if is_bad { SHADES as u8 - shade } else { shade };
+        return mixed(floor, policy::colour(shade, 1.0), FIELD);
     }
-}
-
-/// Mixes another colour into the floor's colour, the more the greater the shade.
-fn of_share(rgb: u32, shade: u8) -> Color {
     let [least, greatest] = SHARES;
     let share = least + (greatest - least) * f64::from(shade) / SHADES;
-    mixed(color(rgb, 1.0).unwrap_or_default(), share)
-}
-
-/// Mixes the colour of an arrow of this rank into the floor's colour.
-fn field(shade: u8) -> Color {
-    mixed(policy::colour(shade, 1.0).unwrap_or_default(), FIELD)
-}
-
-fn mixed(full: Color, share: f64) -> Color {
-    let floor = color(FLOOR, 1.0).unwrap_or_default();
-    let mix = |floor: f64, full: f64| rounded(floor + (full - floor) * share);
-    Color {
-        r: mix(floor.r, full.r),
-        g: mix(floor.g, full.g),
-        b: mix(floor.b, full.b),
-        a: 1.0,
-    }
+    let rgb = if is_bad { BAD } else { GOOD };
+    mixed(floor, color(rgb, 1.0), share)
 }

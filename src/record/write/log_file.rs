@@ -11,14 +11,28 @@ use mcap::{Attachment, McapError, McapResult};
 use super::sink::{self, Packing, Sink};
 use crate::disk;
 use crate::record::error::RecordError;
-use crate::record::info::RecordingKind;
+use crate::record::info::{RecordingKind, RunInfo};
+use crate::record::layout::SIDES;
+use crate::record::mode::RecordMode;
 use crate::record::topics::Topic;
+
+/// The facts of a run in a recording.
+pub struct Facts<'a> {
+    pub info: &'a RunInfo,
+    /// The name of the world.
+    pub world: &'a str,
+    pub mode: RecordMode,
+    pub kind: RecordingKind,
+    /// The side of a comparison.
+    pub side: Option<&'a str>,
+}
 
 /// An MCAP stream with a fixed set of topics. The same calls produce the same bytes.
 pub struct LogFile<W: Write> {
     writer: Sink<W>,
-    /// The channel by [`Topic`], if this file has one.
-    channels: [Option<u16>; Topic::ALL.len()],
+    /// The channel by side and [`Topic`], if this file has one. Only comparisons have a second
+    /// side.
+    channels: [[Option<u16>; Topic::ALL.len()]; SIDES.len()],
     /// The number of messages written so far.
     messages: u64,
 }
@@ -29,33 +43,63 @@ impl<W: Write> LogFile<W> {
         let writer = sink::begin(sink, packing)?;
         Ok(Self {
             writer,
-            channels: [None; Topic::ALL.len()],
+            channels: [[None; Topic::ALL.len()]; SIDES.len()],
             messages: 0,
         })
     }
 
-    /// Declares the topics of this kind of recording, so that they exist even without messages.
-    pub fn declare(&mut self, of: RecordingKind, topics: &[Topic]) -> McapResult<()> {
-        let mut topics = topics.iter();
-        topics.try_for_each(|&topic| self.declare_one(of, topic))
+    /// Writes the facts of a run.
+    pub fn facts(&mut self, facts: &Facts<'_>, time_ns: u64) -> McapResult<()> {
+        let Facts { info, side, .. } = facts;
+        let below = |name: &str| side.map_or(name.to_owned(), |side| format!("{side}/{name}"));
+        let metadata = info.metadata(facts.world, facts.mode, facts.kind);
+        self.metadata(side.unwrap_or("run"), metadata)?;
+        self.attach(&below("world.json"), time_ns, &info.world_json)?;
+        self.attach(&below("config.json"), time_ns, &info.config_json)
     }
 
-    fn declare_one(&mut self, of: RecordingKind, topic: Topic) -> McapResult<()> {
-        let schema = topic.schema(of);
-        let id = self
-            .writer
-            .add_schema(&schema.name, &schema.encoding, &schema.data)?;
-        let encoding = topic.message_encoding();
-        let channel = self
-            .writer
-            .add_channel(id, topic.name(), encoding, &BTreeMap::new())?;
-        self.channels[topic as usize] = Some(channel);
+    /// Declares the topics of this kind of recording, so that they exist even without messages.
+    pub fn declare(&mut self, of: RecordingKind, topics: &[Topic]) -> McapResult<()> {
+        self.declare_at(0, "", of, topics)
+    }
+
+    /// Declares the topics of a side of a comparison, with a prefix of their names.
+    pub fn declare_at(
+        &mut self,
+        side: usize,
+        below: &str,
+        of: RecordingKind,
+        topics: &[Topic],
+    ) -> McapResult<()> {
+        for &topic in topics {
+            let schema = topic.schema(of);
+            let (name, encoding) = (format!("{below}{}", topic.name()), &schema.encoding);
+            let id = self
+                .writer
+                .add_schema(&schema.name, encoding, &schema.data)?;
+            let encoding = topic.message_encoding();
+            let channel = self
+                .writer
+                .add_channel(id, &name, encoding, &BTreeMap::new())?;
+            self.channels[side][topic as usize] = Some(channel);
+        }
         Ok(())
     }
 
     /// Writes a message, unless the file lacks the topic.
     pub fn message(&mut self, topic: Topic, time_ns: u64, encoded: &[u8]) -> McapResult<()> {
-        let Some(channel_id) = self.channels[topic as usize] else {
+        self.message_at(0, topic, time_ns, encoded)
+    }
+
+    /// Writes a message of a side of a comparison, unless the file lacks the topic.
+    pub fn message_at(
+        &mut self,
+        side: usize,
+        topic: Topic,
+        time_ns: u64,
+        encoded: &[u8],
+    ) -> McapResult<()> {
+        let Some(channel_id) = self.channels[side][topic as usize] else {
             return Ok(());
         };
         let header = MessageHeader {
@@ -130,15 +174,12 @@ impl OpenFile {
         let created = disk::create(&part).and_then(|file| Ok((file.try_clone()?, file)));
         let (disk, file) = created.map_err(|cause| match cause.kind() {
             // The folder existed when the recorder began.
-            io::ErrorKind::NotFound => write_error(&part, &McapError::Io(cause)),
-            _ => RecordError::Create {
-                path: part.clone(),
-                cause,
-            },
+            io::ErrorKind::NotFound => RecordError::write(&part)(cause.into()),
+            _ => RecordError::create(&part)(cause),
         })?;
         let log = LogFile::new(BufWriter::with_capacity(64 * 1024, file), packing);
         Ok(Self {
-            log: log.map_err(|cause| write_error(&part, &cause))?,
+            log: log.map_err(RecordError::write(&part))?,
             disk,
             path,
             part,
@@ -148,7 +189,7 @@ impl OpenFile {
     /// Syncs the flushed data to disk.
     pub fn sync(&self) -> Result<(), RecordError> {
         let synced = self.disk.sync_data();
-        synced.map_err(|cause| write_error(&self.part, &McapError::Io(cause)))
+        synced.map_err(|cause| RecordError::write(&self.part)(cause.into()))
     }
 
     /// Replaces `folder/name.part` with this file.
@@ -156,7 +197,7 @@ impl OpenFile {
         self.sync()?;
         let part = disk::part(&self.path);
         disk::rename(&self.part, &part)
-            .map_err(|cause| write_error(&self.part, &McapError::Io(cause)))?;
+            .map_err(|cause| RecordError::write(&self.part)(cause.into()))?;
         self.part = part;
         Ok(())
     }
@@ -171,7 +212,7 @@ impl OpenFile {
         &mut self,
         act: impl FnOnce(&mut LogFile<BufWriter<File>>) -> McapResult<()>,
     ) -> Result<(), RecordError> {
-        act(&mut self.log).map_err(|cause| write_error(&self.part, &cause))
+        act(&mut self.log).map_err(RecordError::write(&self.part))
     }
 
     /// Finishes the file, syncs it to disk and gives it its name. Returns the path and the size in
@@ -189,28 +230,15 @@ impl OpenFile {
             fs::rename(&part, &path)?;
             Ok(bytes)
         });
-        match saved {
-            Ok(bytes) => Ok((path, bytes)),
-            Err(cause) => Err(write_error(&part, &cause)),
-        }
+        let bytes = saved.map_err(RecordError::write(&part))?;
+        Ok((path, bytes))
     }
 
     /// Deletes the unfinished file.
     pub fn discard(self) -> Result<(), RecordError> {
         let Self { log, part, .. } = self;
         drop(log);
-        fs::remove_file(&part).map_err(|cause| write_error(&part, &McapError::Io(cause)))
-    }
-}
-
-/// Converts an error of the library. Its own text does not contain the system's error.
-fn write_error(part: &Path, error: &McapError) -> RecordError {
-    RecordError::Write {
-        path: part.to_owned(),
-        cause: match error {
-            McapError::Io(cause) => format!("{cause}{}", disk::way_out(cause)),
-            other => other.to_string(),
-        },
+        fs::remove_file(&part).map_err(|cause| RecordError::write(&part)(cause.into()))
     }
 }
 

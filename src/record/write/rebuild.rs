@@ -2,18 +2,17 @@
 //! into fewer bytes when it is complete.
 
 use std::collections::BTreeMap;
-use std::io::Read;
+use std::ops::ControlFlow;
 use std::path::Path;
 
-use mcap::records::{MessageHeader, Record};
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use mcap::{McapError, McapResult};
+use mcap::McapError;
+use mcap::records::Record;
+use mcap::sans_io::linear_reader::LinearReaderOptions;
 
 use super::log_file::OpenFile;
 use crate::disk;
 use crate::record::error::RecordError;
-use crate::record::read::parse::parse_record;
-use crate::record::read::reader::longest_record;
+use crate::record::read::records::for_each_record;
 use crate::record::topics::Topic;
 
 /// When the copy closes a chunk.
@@ -32,88 +31,46 @@ pub fn copy(
     chunks: Chunks,
     file: &mut OpenFile,
 ) -> Result<(), RecordError> {
-    let unreadable = |cause| RecordError::Read {
-        path: source.to_owned(),
-        cause,
+    let unreadable = RecordError::read(source);
+    let fault = |cause| match cause {
+        McapError::Io(cause) => unreadable(cause),
+        cause => RecordError::damaged(source)(cause),
     };
-    let damaged = |cause: McapError| RecordError::Damaged {
-        path: source.to_owned(),
-        cause: cause.to_string(),
-    };
-    let mut input = disk::open(source).map_err(unreadable)?;
-    let bytes = input.metadata().map_err(unreadable)?.len();
-    let options = LinearReaderOptions::default()
-        .with_prevalidate_chunk_crcs(true)
-        .with_record_length_limit(longest_record(bytes));
-    let mut reader = LinearReader::new_with_options(options);
-    let mut copy = Copy {
-        file,
-        chunks,
-        topics: BTreeMap::new(),
-        left: messages,
-    };
-    let (mut unpacked, most) = (0, disk::most_unpacked(bytes));
-    while copy.left > 0 {
-        match reader.next_event().transpose().map_err(damaged)? {
-            Some(LinearReadEvent::ReadRequest(wanted)) => {
-                let read = input.read(reader.insert(wanted)).map_err(unreadable)?;
-                reader.notify_read(read);
-            }
-            Some(LinearReadEvent::Record { opcode, data }) => {
-                unpacked += data.len() as u64;
-                if unpacked > most {
-                    return Err(damaged(McapError::ChunkTooLarge(unpacked)));
-                }
-                copy.take(parse_record(opcode, data).map_err(damaged)?)?;
-            }
-            None => return Err(damaged(McapError::UnexpectedEof)),
-        }
-    }
-    copy.file.with(|log| log.flush())
-}
-
-/// The state of a copy; `left` is the number of remaining messages.
-struct Copy<'a> {
-    file: &'a mut OpenFile,
-    chunks: Chunks,
-    topics: BTreeMap<u16, Topic>,
-    left: u64,
-}
-
-impl Copy<'_> {
-    fn take(&mut self, record: Record<'_>) -> Result<(), RecordError> {
+    let input = disk::open(source).map_err(&unreadable)?;
+    let size = input.metadata().map_err(&unreadable)?.len();
+    let mut topics: BTreeMap<u16, Topic> = BTreeMap::new();
+    let (mut left, mut room) = (messages, disk::most_unpacked(size));
+    let options = LinearReaderOptions::default();
+    for_each_record(input, size, options, fault, |record| {
         match record {
             Record::Channel(channel) => {
-                if let Some(topic) = Topic::named(&channel.topic) {
-                    self.topics.insert(channel.id, topic);
-                }
-                Ok(())
+                let topic = Topic::named(&channel.topic);
+                topics.extend(topic.map(|topic| (channel.id, topic)));
             }
             Record::Message { header, data } => {
-                self.left -= 1;
-                self.file
-                    .with(|log| send(log, &self.topics, &header, &data))
+                let bytes = data.len() as u64;
+                room = room
+                    .checked_sub(bytes)
+                    .ok_or_else(|| fault(McapError::ChunkTooLarge(bytes)))?;
+                let unknown = McapError::UnknownChannel(header.sequence, header.channel_id);
+                let topic = topics.get(&header.channel_id);
+                let topic = topic.ok_or_else(|| fault(unknown))?;
+                file.with(|log| log.message(*topic, header.log_time, &data))?;
+                left = left.saturating_sub(1);
             }
             // Message indexes follow a chunk.
-            Record::MessageIndex(_) if self.chunks == Chunks::AsBefore => {
-                self.file.with(|log| log.flush())
+            Record::MessageIndex(_) if chunks == Chunks::AsBefore => {
+                file.with(|log| log.flush())?;
             }
-            _ => Ok(()),
+            _ => {}
         }
-    }
-}
-
-fn send<W: std::io::Write>(
-    log: &mut super::log_file::LogFile<W>,
-    topics: &BTreeMap<u16, Topic>,
-    header: &MessageHeader,
-    data: &[u8],
-) -> McapResult<()> {
-    match topics.get(&header.channel_id) {
-        Some(&topic) => log.message(topic, header.log_time, data),
-        None => Err(McapError::UnknownChannel(
-            header.sequence,
-            header.channel_id,
-        )),
+        Ok(match left {
+            0 => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        })
+    })?;
+    match left {
+        0 => file.with(|log| log.flush()),
+        _ => Err(fault(McapError::UnexpectedEof)),
     }
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::event_logger::EventLogger;
-use super::log_file::OpenFile;
+use super::log_file::{Facts, OpenFile};
 use super::outbox::{Outbox, Tap};
 use super::rebuild::{self, Chunks};
 use super::sink::Packing;
@@ -40,27 +40,25 @@ use crate::world::Maze;
 pub struct Recorder {
     folder: PathBuf,
     info: RunInfo,
-    mode: RecordMode,
     world: String,
     /// The layouts of episode recordings and of the run's recording.
     layouts: [String; 2],
     event_logger: EventLogger,
     outbox: Outbox,
-    /// The episodes whose files are kept, with their sizes in bytes.
-    kept: Vec<(u32, u64)>,
-    /// The number of steps of the best episode so far.
-    best: Option<u32>,
-    clock_ns: u64,
+    /// The state; `messages` and `event_logger` are filled in for a checkpoint.
+    memory: RecorderMemory,
     error: Option<RecordError>,
 }
 
 /// A recorder's checkpoint between two episodes, in addition to the files on disk.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RecorderMemory {
     mode: RecordMode,
     /// Messages in `run.mcap`.
     messages: u64,
+    /// The episodes whose files are kept, with their sizes in bytes.
     kept: Vec<(u32, u64)>,
+    /// The number of steps of the best episode so far.
     best: Option<u32>,
     clock_ns: u64,
     event_logger: (Curve, bool),
@@ -71,11 +69,7 @@ impl RecorderMemory {
     pub fn new(mode: RecordMode) -> Self {
         Self {
             mode,
-            messages: 0,
-            kept: Vec::new(),
-            best: None,
-            clock_ns: 0,
-            event_logger: (Curve::default(), false),
+            ..Self::default()
         }
     }
 }
@@ -101,7 +95,7 @@ impl Recorder {
         info: RunInfo,
         mode: RecordMode,
     ) -> Result<Self, RecordError> {
-        let mut recorder = Self::new(folder, maze, info, mode);
+        let mut recorder = Self::new(folder, maze, info, RecorderMemory::new(mode));
         if mode != RecordMode::None {
             recorder.lay_out()?;
             recorder.outbox.run = Some(recorder.open_run("part", Packing::Quick)?);
@@ -125,31 +119,24 @@ impl Recorder {
         if memory.mode == RecordMode::None || memory.messages == 0 {
             return Self::create(folder, maze, info, memory.mode);
         }
-        let mut recorder = Self::new(folder, maze, info, memory.mode);
+        let (messages, logged) = (memory.messages, memory.event_logger.clone());
+        let mut recorder = Self::new(folder, maze, info, memory);
         recorder.lay_out()?;
-        recorder.outbox.run = Some(recorder.rebuilt_run(memory.messages)?);
-        recorder
-            .event_logger
-            .resume(memory.event_logger, learned, maze);
-        recorder.kept = memory.kept;
-        recorder.best = memory.best;
-        recorder.clock_ns = memory.clock_ns;
+        recorder.outbox.run = Some(recorder.rebuilt_run(messages)?);
+        recorder.event_logger.resume(logged, learned, maze);
         Ok(recorder)
     }
 
     /// Rebuilds `run.mcap.part` with its first `messages` messages. If the run was stopped in its
     /// last steps, the file may already have its final name.
     fn rebuilt_run(&self, messages: u64) -> Result<OpenFile, RecordError> {
-        let whole = self.folder.join(RecordingKind::Run.file_name());
+        let whole = self.path(RecordingKind::Run);
         let part = disk::part(&whole);
         let is_whole = whole.exists() && !part.exists();
         let source = if is_whole { whole } else { part };
         // Check this first, so that a missing recording leaves the folder unchanged.
         let opened = disk::open(&source).map(drop);
-        opened.map_err(|cause| RecordError::Read {
-            path: source.clone(),
-            cause,
-        })?;
+        opened.map_err(RecordError::read(&source))?;
         // Write a separate file, so that nothing is lost if this is stopped, too.
         let mut run = self.open_run("again", Packing::Quick)?;
         rebuild::copy(&source, messages, Chunks::AsBefore, &mut run)?;
@@ -157,18 +144,15 @@ impl Recorder {
         Ok(run)
     }
 
-    fn new(folder: &Path, maze: &Maze, info: RunInfo, mode: RecordMode) -> Self {
+    fn new(folder: &Path, maze: &Maze, info: RunInfo, memory: RecorderMemory) -> Self {
         Self {
             folder: folder.to_owned(),
-            mode,
             world: maze.name().to_owned(),
             layouts: [layout::of_episode(maze), layout::of_run(maze)],
-            event_logger: EventLogger::new(maze, &info, mode == RecordMode::Beams),
+            event_logger: EventLogger::new(maze, &info, memory.mode == RecordMode::Beams),
             info,
             outbox: Outbox::default(),
-            kept: Vec::new(),
-            best: None,
-            clock_ns: 0,
+            memory,
             error: None,
         }
     }
@@ -180,7 +164,7 @@ impl Recorder {
 
     /// Returns the recording mode.
     pub fn mode(&self) -> RecordMode {
-        self.mode
+        self.memory.mode
     }
 
     /// Also passes the messages of episode files to `tap` from now on, whether the files are kept
@@ -200,12 +184,9 @@ impl Recorder {
         let run = self.outbox.run.as_ref();
         run.map_or(Ok(()), OpenFile::sync)?;
         Ok(RecorderMemory {
-            mode: self.mode,
             messages: run.map_or(0, OpenFile::messages),
-            kept: self.kept.clone(),
-            best: self.best,
-            clock_ns: self.clock_ns,
             event_logger: self.event_logger.memory(),
+            ..self.memory.clone()
         })
     }
 
@@ -217,15 +198,9 @@ impl Recorder {
         if let Some(error) = self.error.take() {
             return Err(error);
         }
-        let kept = std::mem::take(&mut self.kept).into_iter();
+        let kept = self.memory.kept.iter();
         let mut files: Vec<_> = kept
-            .map(|(episode, bytes)| {
-                (
-                    self.folder
-                        .join(RecordingKind::Episode(episode).file_name()),
-                    bytes,
-                )
-            })
+            .map(|&(episode, bytes)| (self.path(RecordingKind::Episode(episode)), bytes))
             .collect();
         if let Some(run) = self.outbox.run.take() {
             files.push(self.pack(run, &rules_json(method))?);
@@ -240,26 +215,26 @@ impl Recorder {
     /// safe. In the complete file, similar episodes share a chunk.
     fn pack(&self, mut run: OpenFile, rules: &str) -> Result<(PathBuf, u64), RecordError> {
         run.with(|log| log.flush())?;
-        let part = disk::part(&self.folder.join(RecordingKind::Run.file_name()));
+        let part = disk::part(&self.path(RecordingKind::Run));
         let mut packed = self.open_run("again", Packing::Small)?;
         rebuild::copy(&part, run.messages(), Chunks::Full, &mut packed)?;
-        packed.with(|log| log.attach("rules.json", self.clock_ns, rules))?;
+        packed.with(|log| log.attach("rules.json", self.memory.clock_ns, rules))?;
         let finished = packed.finish()?;
         run.discard()?;
         Ok(finished)
     }
 
+    fn path(&self, kind: RecordingKind) -> PathBuf {
+        self.folder.join(kind.file_name())
+    }
+
     /// Creates the folder and writes both layouts.
     fn lay_out(&self) -> Result<(), RecordError> {
-        fs::create_dir_all(&self.folder).map_err(|cause| RecordError::Create {
-            path: self.folder.clone(),
-            cause,
-        })?;
+        fs::create_dir_all(&self.folder).map_err(RecordError::create(&self.folder))?;
         let names = ["foxglove-layout.json", "foxglove-layout-run.json"];
         for (name, text) in names.into_iter().zip(&self.layouts) {
             let path = self.folder.join(name);
-            disk::replace(&path, text.as_bytes())
-                .map_err(|cause| RecordError::Create { path, cause })?;
+            disk::replace(&path, text.as_bytes()).map_err(RecordError::create(&path))?;
         }
         Ok(())
     }
@@ -277,13 +252,18 @@ impl Recorder {
         kind: RecordingKind,
         topics: &[Topic],
     ) -> Result<OpenFile, RecordError> {
+        let facts = Facts {
+            info: &self.info,
+            world: &self.world,
+            mode: self.memory.mode,
+            kind,
+            side: None,
+        };
         file.with(|log| {
-            log.metadata("run", self.info.metadata(&self.world, self.mode, kind))?;
-            log.attach("world.json", self.clock_ns, &self.info.world_json)?;
-            log.attach("config.json", self.clock_ns, &self.info.config_json)?;
+            log.facts(&facts, self.memory.clock_ns)?;
             if kind == RecordingKind::Run {
                 let [_, layout] = &self.layouts;
-                log.attach("foxglove-layout.json", self.clock_ns, layout)?;
+                log.attach("foxglove-layout.json", self.memory.clock_ns, layout)?;
             }
             log.declare(kind, topics)
         })?;
@@ -291,22 +271,19 @@ impl Recorder {
     }
 
     fn begin(&mut self, episode: u32, view: &View<'_>) -> Result<(), RecordError> {
-        self.clock_ns = view.now().time_ns;
-        if self.mode.wants(episode) {
-            let file =
-                OpenFile::create(&self.folder, &RecordingKind::Episode(episode).file_name())?;
-            let file = self.introduce(
-                file,
-                RecordingKind::Episode(episode),
-                &Topic::of_episode(view.sensed.is_some(), self.mode == RecordMode::Beams),
-            )?;
-            self.outbox.episode = Some(file);
+        self.memory.clock_ns = view.now().time_ns;
+        if self.memory.mode.wants(episode) {
+            let kind = RecordingKind::Episode(episode);
+            let beams = self.memory.mode == RecordMode::Beams;
+            let file = OpenFile::create(&self.folder, &kind.file_name())?;
+            let topics = Topic::of_episode(view.sensed.is_some(), beams);
+            self.outbox.episode = Some(self.introduce(file, kind, &topics)?);
         }
         self.event_logger.began(&mut self.outbox, episode, view)
     }
 
     fn end(&mut self, episode: &Episode, learned: &Learned<'_>) -> Result<(), RecordError> {
-        self.clock_ns = learned.view.now().time_ns;
+        self.memory.clock_ns = learned.view.now().time_ns;
         self.event_logger
             .ended(&mut self.outbox, episode, learned)?;
         if let Some(run) = &mut self.outbox.run {
@@ -325,28 +302,26 @@ impl Recorder {
         episode: &Episode,
         method: &dyn Agent,
     ) -> Result<(), RecordError> {
-        if self.mode == RecordMode::Best {
-            let is_best = self.best.is_none_or(|best| episode.steps < best);
+        if self.memory.mode == RecordMode::Best {
+            let is_best = self.memory.best.is_none_or(|best| episode.steps < best);
             if episode.ending != Ending::Goal || !is_best {
                 return file.discard();
             }
-            self.best = Some(episode.steps);
+            self.memory.best = Some(episode.steps);
             let rules = rules_json(method);
-            file.with(|log| log.attach("rules.json", self.clock_ns, &rules))?;
+            file.with(|log| log.attach("rules.json", self.memory.clock_ns, &rules))?;
         }
         let (_, bytes) = file.finish()?;
-        if matches!(self.mode, RecordMode::Best | RecordMode::Last) {
+        if matches!(self.memory.mode, RecordMode::Best | RecordMode::Last) {
             self.drop_kept()?;
         }
-        self.kept.push((episode.episode, bytes));
+        self.memory.kept.push((episode.episode, bytes));
         Ok(())
     }
 
     fn drop_kept(&mut self) -> Result<(), RecordError> {
-        for (episode, _) in std::mem::take(&mut self.kept) {
-            let path = self
-                .folder
-                .join(RecordingKind::Episode(episode).file_name());
+        for (episode, _) in std::mem::take(&mut self.memory.kept) {
+            let path = self.path(RecordingKind::Episode(episode));
             // The file is already gone when this episode is repeated.
             disk::remove(&path).map_err(|cause| RecordError::Write {
                 path,
@@ -358,7 +333,7 @@ impl Recorder {
 
     /// Runs an action unless there was an error; stores the first error.
     fn attempt(&mut self, act: impl FnOnce(&mut Self) -> Result<(), RecordError>) {
-        let has_receiver = self.mode != RecordMode::None || self.outbox.tap.is_some();
+        let has_receiver = self.memory.mode != RecordMode::None || self.outbox.tap.is_some();
         if self.error.is_none() && has_receiver {
             self.error = act(self).err();
         }

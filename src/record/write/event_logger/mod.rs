@@ -43,9 +43,7 @@ pub(super) struct EventLogger {
     start: Option<Cell>,
     /// The learned policy so far.
     policy: Option<PolicyMap>,
-    /// The last shown state in the episode's file and in the run's file.
-    shown: Shown,
-    shown_in_run: Shown,
+    shown: ShownIn,
     was_optimal: bool,
     /// The time of the last decision, which is the end of the last move.
     decided_ns: u64,
@@ -67,6 +65,22 @@ struct Shown {
     marks: Option<Vec<policy::Mark>>,
     floor: Option<values::Floor>,
     columns: Option<Vec<CubePrimitive>>,
+}
+
+/// The last shown state in the episode's file and in the run's file.
+#[derive(Default)]
+struct ShownIn {
+    episode: Shown,
+    run: Shown,
+}
+
+impl ShownIn {
+    fn of(&mut self, to: For) -> &mut Shown {
+        match to {
+            For::Run => &mut self.run,
+            For::Episode | For::Both => &mut self.episode,
+        }
+    }
 }
 
 impl Shown {
@@ -97,8 +111,7 @@ impl EventLogger {
             judge: Judge::new(maze, info.sensor, info.slip),
             start: None,
             policy: None,
-            shown: Shown::default(),
-            shown_in_run: Shown::default(),
+            shown: ShownIn::default(),
             was_optimal: false,
             decided_ns: 0,
             trajectory: Trajectory::new(maze.cell_size_m()),
@@ -123,7 +136,7 @@ impl EventLogger {
     pub fn resume(&mut self, (curve, was_optimal): (Curve, bool), policy: PolicyMap, maze: &Maze) {
         self.curve = curve.restored();
         self.was_optimal = was_optimal;
-        self.shown_in_run = Shown::all(&policy, maze);
+        self.shown.run = Shown::all(&policy, maze);
         self.policy = Some(policy);
         self.maze_shown = true;
     }
@@ -154,7 +167,7 @@ impl EventLogger {
             out.send(For::Episode, Topic::Scan, sent_ns, &scan)?;
         }
         self.show_maze_and_robot(out, view, time_ns)?;
-        self.shown = Shown::default();
+        self.shown.episode = Shown::default();
         self.show_learned(out, For::Episode, view.maze, time_ns)?;
         self.show_landscape(out, For::Episode, view.maze, time_ns)?;
         self.show_trail(out, For::Episode, time_ns)?;
@@ -259,14 +272,6 @@ impl EventLogger {
         out.send(to, Topic::Trail, time_ns, &self.trail.scene(time_ns))
     }
 
-    /// Returns the state last shown in one of the files.
-    fn shown(&mut self, to: For) -> &mut Shown {
-        match to {
-            For::Run => &mut self.shown_in_run,
-            For::Episode | For::Both => &mut self.shown,
-        }
-    }
-
     /// Logs the learned policy where it differs from the last shown one.
     fn show_learned(
         &mut self,
@@ -275,22 +280,19 @@ impl EventLogger {
         maze: &Maze,
         time_ns: u64,
     ) -> Result<(), RecordError> {
-        let marks = Some(policy::marks(self.policy.as_ref(), maze));
-        if self.shown(to).marks != marks {
-            let arrows = policy::arrows(self.policy.as_ref(), maze);
-            out.send(to, Topic::Policy, time_ns, &policy::scene(arrows, time_ns))?;
-            self.shown(to).marks = marks;
+        let (policy, shown) = (self.policy.as_ref(), self.shown.of(to));
+        if let Some(marks) = news(&mut shown.marks, policy::marks(policy, maze)) {
+            let scene = policy::scene(marks, maze, time_ns);
+            out.send(to, Topic::Policy, time_ns, &scene)?;
         }
-        let floor = values::Floor::of(self.policy.as_ref(), maze);
-        if self.shown(to).floor.as_ref() != Some(&floor) {
-            let scene = values::scene(&floor, maze, time_ns);
+        if let Some(floor) = news(&mut shown.floor, values::Floor::of(policy, maze)) {
+            let scene = values::scene(floor, maze, time_ns);
             out.send(to, Topic::Values, time_ns, &scene)?;
-            self.shown(to).floor = Some(floor);
         }
         Ok(())
     }
 
-    /// Logs the learned policy as a landscape.
+    /// Logs the learned policy as a landscape, if it differs from the last shown one.
     fn show_landscape(
         &mut self,
         out: &mut Outbox,
@@ -299,12 +301,20 @@ impl EventLogger {
         time_ns: u64,
     ) -> Result<(), RecordError> {
         let columns = policy::columns(self.policy.as_ref(), maze);
-        if self.shown(to).columns.as_ref() == Some(&columns) {
-            return Ok(());
+        let shown = self.shown.of(to);
+        match news(&mut shown.columns, columns) {
+            Some(columns) => {
+                let scene = policy::landscape(columns, time_ns);
+                out.send(to, Topic::Landscape, time_ns, &scene)
+            }
+            None => Ok(()),
         }
-        let scene = policy::landscape(&columns, time_ns);
-        out.send(to, Topic::Landscape, time_ns, &scene)?;
-        self.shown(to).columns = Some(columns);
-        Ok(())
     }
+}
+
+/// Stores what is shown now, and returns it if it differs from what was shown last.
+fn news<T: PartialEq>(last: &mut Option<T>, now: T) -> Option<&T> {
+    let is_new = last.as_ref() != Some(&now);
+    let now = last.insert(now);
+    is_new.then_some(now)
 }

@@ -1,11 +1,9 @@
 //! The messages of a step: the reasons of the decision, the trajectory, and the learned changes.
 
-use std::iter::{Enumerate, Peekable};
-
 use foxglove::messages::LaserScan;
 
 use super::EventLogger;
-use crate::arena::{Contact, Estimate, View};
+use crate::arena::{Contact, Estimate, Sample, View};
 use crate::episode::{PolicyMap, Step};
 use crate::record::error::RecordError;
 use crate::record::topics::contact::ContactRecord;
@@ -15,10 +13,13 @@ use crate::record::topics::step::StepRecord;
 use crate::record::topics::{Topic, log, percept, policy, rays, scan};
 use crate::record::write::outbox::{For, Outbox};
 
-/// The events of a move that are not yet written, oldest first.
-struct Pending<'a> {
-    hits: Peekable<Enumerate<std::slice::Iter<'a, Contact>>>,
-    scans: Peekable<std::vec::IntoIter<(u64, LaserScan)>>,
+/// An event of a move.
+enum Event<'a> {
+    /// A segment of the trajectory.
+    Poses(&'a [Sample]),
+    Scan(LaserScan),
+    /// A hit, with its number in the step.
+    Hit(usize, &'a Contact),
 }
 
 impl EventLogger {
@@ -75,52 +76,36 @@ impl EventLogger {
         let policy = PolicyMap::of(step.method, self.sensor, maze);
         let marks = policy::marks(Some(&policy), maze);
         self.policy = Some(policy);
-        match self.shown.marks == Some(marks) {
+        match self.shown.episode.marks == Some(marks) {
             true => Ok(()),
             false => self.show_learned(out, For::Episode, maze, time_ns),
         }
     }
 
-    /// Logs the trajectory of a step: poses, hits and scans, in order of time.
+    /// Logs the trajectory of a step: poses, scans and hits, in order of time.
     fn moved(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
         self.trajectory.follow(step.view.trace);
-        let mut pending = Pending {
-            hits: step.view.contacts.iter().enumerate().peekable(),
-            scans: self.scans(&step.view, false).into_iter().peekable(),
-        };
-        for segment in self.trajectory.segments() {
-            self.show_before(segment[0].time_ns, &mut pending, out, step)?;
-            let frames = self
-                .transforms
-                .along(segment, belief(&step.view, segment[0].time_ns));
-            out.send(For::Episode, Topic::Transforms, segment[0].time_ns, frames)?;
-        }
-        self.show_before(u64::MAX, &mut pending, out, step)
-    }
-
-    /// Logs hits and scans before a time, in order of time.
-    fn show_before(
-        &self,
-        until_ns: u64,
-        pending: &mut Pending<'_>,
-        out: &mut Outbox,
-        step: &Step<'_>,
-    ) -> Result<(), RecordError> {
-        loop {
-            let hit_ns = pending.hits.peek().map(|(_, hit)| hit.time_ns);
-            let is_due = |(at_ns, _): &(u64, _)| {
-                *at_ns < until_ns && hit_ns.is_none_or(|hit_ns| *at_ns <= hit_ns)
-            };
-            if let Some((sent_ns, scan)) = pending.scans.next_if(is_due) {
-                out.send(For::Episode, Topic::Scan, sent_ns, &scan)?;
-                continue;
-            }
-            let is_past = |(_, hit): &(usize, &Contact)| hit.time_ns < until_ns;
-            match pending.hits.next_if(is_past) {
-                Some((number, hit)) => self.hit(out, step, number, hit)?,
-                None => return Ok(()),
+        let segments = self.trajectory.segments().into_iter();
+        let poses = segments.map(|segment| (segment[0].time_ns, Event::Poses(segment)));
+        let scans = self.scans(&step.view, false).into_iter();
+        let scans = scans.map(|(time_ns, scan)| (time_ns, Event::Scan(scan)));
+        let hits = step.view.contacts.iter().enumerate();
+        let hits = hits.map(|(number, hit)| (hit.time_ns, Event::Hit(number, hit)));
+        let mut events: Vec<_> = poses.chain(scans).chain(hits).collect();
+        // Stable: at the same time, poses come before scans, and scans before hits.
+        events.sort_by_key(|(time_ns, _)| *time_ns);
+        for (time_ns, event) in events {
+            match event {
+                Event::Poses(segment) => {
+                    let belief = belief(&step.view, time_ns);
+                    let frames = self.transforms.along(segment, belief);
+                    out.send(For::Episode, Topic::Transforms, time_ns, frames)?;
+                }
+                Event::Scan(scan) => out.send(For::Episode, Topic::Scan, time_ns, &scan)?,
+                Event::Hit(number, hit) => self.hit(out, step, number, hit)?,
             }
         }
+        Ok(())
     }
 
     /// Returns the scans of a move, if beams are recorded.
