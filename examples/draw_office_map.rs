@@ -1,5 +1,7 @@
-//! Draws the occupancy map of an office as a ROS 2 map (PGM and YAML), as a SLAM run would leave it:
-//! 22 m x 18 m at 5 cm per pixel, rooms on both sides of a corridor, doors of 1.0 m, desks, speckles.
+//! Draws the occupancy map of an office as a ROS 2 map (PGM and YAML), like the result of a SLAM run.
+//!
+//! The map has 22 m x 18 m at 5 cm per pixel, rooms on both sides of a corridor, doors of 1.0 m, desks
+//! and speckles.
 //!
 //! ```sh
 //! cargo run --example draw_office_map -- office
@@ -36,7 +38,7 @@ impl Map {
 fn office() -> Map {
     let mut map = Map(vec![OCCUPIED; WIDTH_PX * HEIGHT_PX]);
     map.fill([0.2, 0.2], [21.8, 17.8], FREE);
-    // The corridor runs from west to east; rooms lie south and north of it.
+    // The corridor runs from west to east, with rooms to the south and north.
     for [south, north] in [[7.4, 7.6], [10.4, 10.6]] {
         map.fill([0.2, south], [21.8, north], OCCUPIED);
     }
@@ -53,7 +55,7 @@ fn office() -> Map {
         map.fill([door_west, 7.4], [door_west + 1.0, 7.6], FREE);
         map.fill([door_west + 0.5, 10.4], [door_west + 1.5, 10.6], FREE);
     }
-    // Single pixels that a beam left behind.
+    // Single pixels, like stray lidar returns.
     let mut stream = Stream::new(1, 0_u64);
     for _ in 0..60 {
         map.0[stream.below(WIDTH_PX * HEIGHT_PX)] = OCCUPIED;

@@ -1,4 +1,4 @@
-"""Drives the robot of `xcscr simulate maze4 --ros2` from rclpy: turns away from walls, else drives on.
+"""Drives the robot of `xcscr simulate maze4 --ros2` from rclpy: turns away from walls, otherwise drives straight on.
 
     pip install 'ros-kilted-rclpy[fastrtps]' ros-kilted-sensor-msgs ros-kilted-geometry-msgs
 """

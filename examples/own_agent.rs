@@ -1,4 +1,4 @@
-//! An agent of one's own, `agents/fewest_steps.rs`, in one trial.
+//! Runs a custom agent, `agents/fewest_steps.rs`, in one trial.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use xcscr::world::Maze;
 mod fewest_steps;
 use fewest_steps::FewestSteps;
 
-/// Runs it.
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let maze = Maze::load(Path::new("worlds/maze4.json"))?;
     let plan = Plan::new(maze).arena(ArenaKind::Grid).settled();

@@ -1,4 +1,4 @@
-//! A study of one's own: an agent of one's own beside two built-in methods, ten paired seeds, one table.
+//! Runs a custom study: a custom agent and two built-in methods, ten paired seeds, one table.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ const STUDY: &str = r#"
     episodes = 60
 "#;
 
-/// Runs it.
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = StudyFile::parse(STUDY, "own_study.rs", Path::new("."))?;
     let protocol = Protocol::new(&file, &Overrides::default())?;

@@ -1,10 +1,10 @@
-//! Trains one method in one maze from one seed, and reads what came out.
+//! Trains one method in one maze with one seed, and prints the result.
 
 use std::path::Path;
 
 use xcscr::{agent::Method, arena::ArenaKind, trial::Plan, world::Maze};
 
-/// Runs it.
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let maze = Maze::load(Path::new("worlds/maze4.json"))?;
     let plan = Plan::new(maze).method(Method::XcscrPlus).seed(7);

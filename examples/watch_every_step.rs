@@ -1,4 +1,4 @@
-//! An observer of one's own: it sees every step of a trial, and counts where the robot bumps.
+//! A custom observer: sees every step of a trial, and counts collisions by cell.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,7 +8,7 @@ use xcscr::episode::{Observer, Step};
 use xcscr::trial::{Plan, Trial};
 use xcscr::world::Maze;
 
-/// Collisions, by column and row of the cell in which they happened.
+/// The number of collisions, by column and row of the cell.
 #[derive(Default)]
 struct Bumps(BTreeMap<(u16, u16), u32>);
 
@@ -20,7 +20,7 @@ impl Observer for Bumps {
     }
 }
 
-/// Runs it.
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let maze = Maze::load(Path::new("worlds/maze4.json"))?;
     let mut trial = Trial::new(Plan::new(maze).episodes(20))?;

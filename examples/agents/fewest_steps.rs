@@ -1,4 +1,4 @@
-//! An agent that remembers, for each percept and action, the fewest steps to a goal that ever followed.
+//! An agent that stores, for each percept and action, the fewest steps to a goal observed so far.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub struct FewestSteps {
 }
 
 impl FewestSteps {
-    /// An agent that knows nothing yet, for the trial of this plan.
+    /// Creates an untrained agent for the trial of this plan.
     pub fn new(plan: &Plan) -> Self {
         Self {
             actions: plan.maze.action_count(),

@@ -1,4 +1,4 @@
-//! XCS for Python's environments and tables.
+//! XCS for Python environments and tables.
 
 use pyo3::prelude::*;
 use xcs::bounds::OutOfRange;
@@ -9,19 +9,19 @@ use xcs::{
 
 use crate::plan::invalid;
 
-/// Inputs of a table that are learned between two looks at signals, such as that of Ctrl-C.
+/// The number of table rows learned between two checks for signals such as Ctrl-C.
 const TRIALS_AT_ONCE: u64 = 1000;
-/// The number of the random stream that chooses the rows of a table.
+/// The number of the random stream that chooses table rows.
 const ROWS_STREAM: u64 = 2;
-/// The reward of a right answer; a wrong one has none.
+/// The reward of a right answer. A wrong answer gets 0.
 const RIGHT: f64 = 1000.0;
 
-/// The attributes that a condition tests, each with its lower and upper bound.
+/// The attributes tested by a condition, each with its lower and upper bound.
 type Tests = Vec<(usize, f64, f64)>;
 /// Tests, action, prediction, error, fitness, numerosity, experience, set size, time stamp.
 type Rule = (Tests, usize, f64, f64, f64, u32, u32, f64, u64);
 
-/// A representation that Python can use: percepts come as numbers.
+/// A representation with conversions for Python. Percepts are arrays of numbers.
 trait Numeric: Representation {
     fn percept(values: &[f64]) -> Result<Self::Percept, String>;
     fn tests(&self) -> Tests;
@@ -130,7 +130,7 @@ where
     }
 
     fn restore(&mut self, state: &[u8], width: usize) -> Result<(), String> {
-        let refused = "the state is damaged, or of a learner with other arguments";
+        let refused = "the state is damaged, or from a learner with other arguments";
         let state = postcard::from_bytes(state).map_err(|_| refused)?;
         let mut restored = self.clone();
         let fits = restored.restore(state)
@@ -143,7 +143,8 @@ where
     }
 }
 
-/// XCS with ternary or interval conditions. Percepts are bytes: eight-byte floats in this machine's order.
+/// XCS with ternary or interval conditions. Percepts are bytes: eight-byte floats in native byte
+/// order.
 #[pyclass(module = "xcscr._native")]
 pub struct Agent {
     learner: Box<dyn Learner>,
@@ -151,7 +152,7 @@ pub struct Agent {
     actions: usize,
 }
 
-/// Reads settings from JSON.
+/// Parses settings from JSON.
 fn settings<T: serde::de::DeserializeOwned>(json: &str) -> PyResult<T> {
     serde_json::from_str(json).map_err(|fault| {
         let text = fault.to_string();
@@ -159,7 +160,7 @@ fn settings<T: serde::de::DeserializeOwned>(json: &str) -> PyResult<T> {
     })
 }
 
-/// Converts an error; the message has Python's names of the parameters.
+/// Converts an error. The message uses the parameter names of the Python package.
 fn out_of_range(fault: OutOfRange) -> PyErr {
     let text = fault.to_string();
     let text = text.replace("`xcsr.", "`").replace("`xcs.", "`");
@@ -179,7 +180,7 @@ fn agent<C: Representation>(
 }
 
 impl Agent {
-    /// The numbers of one percept.
+    /// Converts the bytes of one percept to numbers.
     fn percept(&self, bytes: &[u8]) -> PyResult<Vec<f64>> {
         let values = numbers(bytes);
         if values.len() == self.width {
@@ -192,7 +193,7 @@ impl Agent {
         )))
     }
 
-    /// The numbers of a table of percepts.
+    /// Converts the bytes of a table of percepts to numbers.
     fn table(&self, bytes: &[u8]) -> PyResult<Vec<f64>> {
         let values = numbers(bytes);
         match values.len().checked_rem(self.width) {
@@ -204,7 +205,7 @@ impl Agent {
     }
 }
 
-/// The right one of `actions` actions with probability 1/2, and otherwise any other.
+/// Returns the right action with probability 1/2, and a random other action otherwise.
 fn half_right(right: usize, actions: usize, stream: &mut Stream) -> usize {
     if actions < 2 || stream.below(2) == 0 {
         return right;
@@ -212,7 +213,7 @@ fn half_right(right: usize, actions: usize, stream: &mut Stream) -> usize {
     (right + 1 + stream.below(actions - 1)) % actions
 }
 
-/// The eight-byte floats of a buffer.
+/// Converts a buffer to eight-byte floats.
 fn numbers(bytes: &[u8]) -> Vec<f64> {
     let (chunks, _) = bytes.as_chunks::<8>();
     chunks
@@ -258,14 +259,14 @@ impl Agent {
         })
     }
 
-    /// Chooses an action for a percept and remembers its action set until `update`.
+    /// Chooses an action for a percept and stores its action set until `update`.
     fn act(&mut self, percept: &[u8], explores: bool) -> PyResult<usize> {
         let percept = self.percept(percept)?;
         let action = self.learner.act(&percept, explores).map_err(invalid)?;
         Ok(action.map_or(0, Action::index))
     }
 
-    /// Learns from the reward of the last action; `next` is `None` where the episode ended.
+    /// Learns from the reward of the last action. `next` is `None` if the episode ended.
     #[pyo3(signature = (reward, next))]
     fn update(&mut self, reward: f64, next: Option<&[u8]>) -> PyResult<()> {
         if !self.learner.is_waiting() {
@@ -280,13 +281,14 @@ impl Agent {
             .map_err(invalid)
     }
 
-    /// Forgets the action that waits for its reward.
+    /// Discards the action waiting for its reward.
     fn end_episode(&mut self) {
         self.learner.end_episode();
     }
 
-    /// Learns `trials` rows of a table, drawn at random, from their answers (a byte each). Half of the trials take the
-    /// right action, and the others any other action: then rewards are as frequent as with two actions.
+    /// Learns from `trials` random rows of a table and their answers (one byte each). Half of the
+    /// trials take the right action and the others any other action, so that rewards are as
+    /// frequent as with two actions.
     fn learn_table(
         &mut self,
         py: Python<'_>,
@@ -297,7 +299,7 @@ impl Agent {
     ) -> PyResult<()> {
         let rows = self.table(rows)?;
         if rows.is_empty() || rows.len() / self.width != answers.len() {
-            return Err(invalid("there must be one answer for each row, and a row"));
+            return Err(invalid("pass at least one row, and one answer per row"));
         }
         let mut stream = Stream::new(seed, ROWS_STREAM);
         let (learner, width, actions) = (&mut self.learner, self.width, self.actions);
@@ -309,7 +311,8 @@ impl Agent {
                     let at = stream.below(answers.len());
                     let right = usize::from(answers[at]);
                     let taken = half_right(right, actions, &mut stream);
-                    let action = Action::wide(taken).ok_or("there is no such action")?;
+                    let action =
+                        Action::wide(taken).ok_or("an answer is not an action of the learner")?;
                     learner.take(&rows[at * width..][..width], action)?;
                     learner.update(if taken == right { RIGHT } else { 0.0 }, None)
                 })
@@ -321,7 +324,8 @@ impl Agent {
         Ok(())
     }
 
-    /// The value of each action in each percept of a table, as bytes of eight-byte floats; NaN where no rule advocates it.
+    /// Returns the value of each action in each percept of a table, as bytes of eight-byte floats;
+    /// NaN if no rule advocates the action.
     fn values(&self, py: Python<'_>, rows: &[u8]) -> PyResult<Vec<u8>> {
         let rows = self.table(rows)?;
         let (learner, width) = (&self.learner, self.width);
@@ -336,8 +340,8 @@ impl Agent {
         .map_err(|fault: String| invalid(fault))
     }
 
-    /// The rules in the order of the population: tests (attribute, lower, upper), action, prediction, error, fitness,
-    /// numerosity, experience, set size, time stamp.
+    /// Returns the rules in population order: tests (attribute, lower, upper), action, prediction,
+    /// error, fitness, numerosity, experience, set size, time stamp.
     fn rules(&self) -> Vec<Rule> {
         self.learner.rules()
     }
@@ -348,7 +352,7 @@ impl Agent {
         self.learner.micro()
     }
 
-    /// The state of the learner as bytes.
+    /// Returns the state of the learner as bytes.
     fn state(&self) -> PyResult<Vec<u8>> {
         self.learner.state().map_err(invalid)
     }

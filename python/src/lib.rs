@@ -1,4 +1,4 @@
-//! The Python module `xcscr._native`: the robot, trials of the learners, and XCS by itself.
+//! The Python module `xcscr._native`: the robot, learner trials, and XCS on its own.
 
 mod agent;
 mod plan;
@@ -9,7 +9,7 @@ mod wheels;
 
 use pyo3::prelude::*;
 
-/// The native part of the package `xcscr`.
+/// The native part of the `xcscr` package.
 #[pymodule]
 mod _native {
     #[pymodule_export]
@@ -25,20 +25,20 @@ mod _native {
 
     use super::*;
 
-    /// The names of the bundled worlds.
+    /// Returns the names of the bundled worlds.
     #[pyfunction]
     fn bundled_worlds() -> Vec<&'static str> {
         xcscr_robot::world::bundled_worlds().collect()
     }
 
-    /// The names of the methods.
+    /// Returns the names of the methods.
     #[pyfunction]
     fn methods() -> Vec<&'static str> {
         let all = xcscr_learner::agent::Method::ALL.iter();
         all.map(|method| method.name()).collect()
     }
 
-    /// The names of the sensors.
+    /// Returns the names of the sensors.
     #[pyfunction]
     fn sensors() -> Vec<&'static str> {
         let all = xcscr_robot::sensor::Sensor::ALL.iter();

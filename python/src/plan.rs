@@ -1,4 +1,4 @@
-//! From Python's arguments to a plan.
+//! Conversion of Python arguments to a plan.
 
 use std::path::Path;
 
@@ -10,12 +10,12 @@ use xcscr_robot::arena::ArenaKind;
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Maze, Recipe};
 
-/// An error of the program as a `ValueError` with its message.
+/// Converts an error to a `ValueError` with its message.
 pub fn invalid(fault: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(fault.to_string())
 }
 
-/// One of a closed set by its name.
+/// Finds a member of a closed set by name.
 fn by_name<T: Copy>(what: &str, name: &str, all: &[T], of: fn(T) -> &'static str) -> PyResult<T> {
     let found = all.iter().copied().find(|&one| of(one) == name);
     found.ok_or_else(|| {
@@ -27,7 +27,8 @@ fn by_name<T: Copy>(what: &str, name: &str, all: &[T], of: fn(T) -> &'static str
     })
 }
 
-/// A bundled world, a generated one such as `rooms-12-3`, a world file, or the JSON text of one.
+/// Loads a bundled world, a generated one such as `rooms-12-3`, a world file, or the JSON text of a
+/// world.
 fn world(text: &str) -> PyResult<Maze> {
     if text.trim_start().starts_with('{') {
         return Maze::from_json(text.as_bytes(), "world").map_err(invalid);
@@ -38,7 +39,7 @@ fn world(text: &str) -> PyResult<Maze> {
     Maze::find(Path::new(text)).map_err(invalid)
 }
 
-/// What can be chosen in Python; `None` takes the default.
+/// The arguments from Python; `None` selects the default.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Choice {
@@ -51,7 +52,7 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// The plan that follows from the choice, for a method and a number of episodes.
+    /// Creates the plan for these arguments, a method and a number of episodes.
     pub fn plan(&self, method: Option<&str>, episodes: u32) -> PyResult<Plan> {
         let maze = world(&self.world)?;
         let arena = by_name("arena", &self.arena, ArenaKind::ALL, ArenaKind::name)?;

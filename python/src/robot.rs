@@ -29,7 +29,7 @@ impl Robot {
         })
     }
 
-    /// Begins the random numbers of noise and slips anew.
+    /// Restarts the random numbers of noise and slips from a seed.
     fn reseed(&mut self, seed: u64) -> PyResult<()> {
         self.plan.config.seed = seed;
         self.arena = self
@@ -40,14 +40,14 @@ impl Robot {
         Ok(())
     }
 
-    /// Puts the robot at rest into the middle of a free cell.
+    /// Places the robot at rest in the middle of a free cell.
     fn reset(&mut self, start: (u16, u16)) -> PyResult<()> {
         let cell = free_cell(&self.plan.maze, start)?;
         self.arena.reset(cell);
         Ok(())
     }
 
-    /// Tries to move one cell. Returns the outcome and the auxiliary reward that was found.
+    /// Tries to move one cell. Returns the outcome and any auxiliary reward found.
     fn step(&mut self, action: usize) -> PyResult<(&'static str, f64)> {
         let action = Action::new(action).filter(|action| action.index() < self.actions());
         let action = action.ok_or_else(|| {
@@ -67,7 +67,7 @@ impl Robot {
         Ok((name, outcome.found()))
     }
 
-    /// The percept, a byte of 0 or 1 for each bit.
+    /// Returns the percept, one byte of 0 or 1 per bit.
     fn percept(&self) -> Vec<u8> {
         let percept = self.plan.config.sensor.perceive(&self.arena.view());
         (0..percept.width())
@@ -75,7 +75,7 @@ impl Robot {
             .collect()
     }
 
-    /// The pose in the map frame: x and y in metres, heading in radians from the x axis.
+    /// Returns the pose in the map frame: x and y in metres, heading in radians from the x axis.
     #[getter]
     fn pose(&self) -> (f64, f64, f64) {
         let pose = self.arena.view().now().robot_in_map;
@@ -86,83 +86,84 @@ impl Robot {
         )
     }
 
-    /// The cell in which the robot stands, as far as it knows.
+    /// Returns the robot's estimate of its cell.
     #[getter]
     fn cell(&self) -> (u16, u16) {
         let cell = self.arena.view().cell;
         (cell.col, cell.row)
     }
 
-    /// The impulses of the hits of the last action, added up, in newton-seconds.
+    /// Returns the total impulse of the collisions during the last action, in newton-seconds.
     #[getter]
     fn collision_impulse(&self) -> f64 {
         let view = self.arena.view();
         view.contacts.iter().map(|contact| contact.impulse_ns).sum()
     }
 
-    /// The length of the shortest path from a cell to a goal, in moves; `None` if there is none.
+    /// Returns the length of the shortest path from a cell to a goal, in moves; `None` if there is
+    /// none.
     fn shortest_distance(&self, cell: (u16, u16)) -> PyResult<Option<u32>> {
         let cell = free_cell(&self.plan.maze, cell)?;
         Ok(self.paths.distance(&self.plan.maze, cell))
     }
 
-    /// The number of actions, clockwise from north.
+    /// Returns the number of actions. Actions are numbered clockwise from north.
     #[getter]
     fn actions(&self) -> usize {
         self.plan.maze.action_count()
     }
 
-    /// The number of bits of a percept.
+    /// Returns the number of bits of a percept.
     #[getter]
     fn percept_bits(&self) -> usize {
         self.plan.config.sensor.width(&self.plan.maze)
     }
 
-    /// The name of the sensor.
+    /// Returns the name of the sensor.
     #[getter]
     fn sensor(&self) -> &'static str {
         self.plan.config.sensor.name()
     }
 
-    /// The name of the world.
+    /// Returns the name of the world.
     #[getter]
     fn world(&self) -> &str {
         self.plan.maze.name()
     }
 
-    /// The world file's text.
+    /// Returns the text of the world file.
     #[getter]
     fn world_json(&self) -> String {
         self.plan.maze.to_json()
     }
 
-    /// Columns and rows.
+    /// Returns the numbers of columns and rows.
     #[getter]
     fn size(&self) -> (u16, u16) {
         (self.plan.maze.width(), self.plan.maze.height())
     }
 
-    /// The most steps of an episode by the program's settings.
+    /// Returns the maximum number of steps per episode from the settings.
     #[getter]
     fn step_threshold(&self) -> u32 {
         self.plan.config.settings.reward.step_threshold
     }
 
-    /// The cells in which an episode can start.
+    /// Returns the cells in which an episode can start.
     #[getter]
     fn start_cells(&self) -> Vec<(u16, u16)> {
         let cells = self.plan.maze.start_cells();
         cells.iter().map(|cell| (cell.col, cell.row)).collect()
     }
 
-    /// The goal cells.
+    /// Returns the goal cells.
     #[getter]
     fn goals(&self) -> Vec<(u16, u16)> {
         let goals = self.plan.maze.goals();
         goals.iter().map(|cell| (cell.col, cell.row)).collect()
     }
 
-    /// Is there a wall, row by row?
+    /// Returns whether each cell is a wall, row by row.
     #[getter]
     fn walls(&self) -> Vec<Vec<bool>> {
         let maze = &self.plan.maze;
@@ -171,7 +172,7 @@ impl Robot {
     }
 }
 
-/// A cell, if it is inside of the maze and no wall.
+/// Returns a cell if it is inside the maze and not a wall.
 pub fn free_cell(maze: &Maze, (col, row): (u16, u16)) -> PyResult<Cell> {
     let cell = Cell { col, row };
     let inside = col < maze.width() && row < maze.height();

@@ -1,4 +1,4 @@
-//! Many robots in one maze, each on its own, driven on all cores.
+//! Many independent robots in copies of one maze, simulated on all cores.
 
 use std::sync::Mutex;
 
@@ -12,15 +12,15 @@ use xcscr_robot::world::Paths;
 use crate::plan::{Choice, invalid};
 use crate::robot::free_cell;
 
-/// Robots of the grid are so fast that fewer of them are not worth a thread.
+/// Minimum number of grid robots per thread. Simulating fewer is faster than starting a thread.
 const GRID_LANES_PER_THREAD: usize = 512;
-/// The facts of a robot: column, row, x and y in metres, heading in radians, the impulses of its hits in newton-seconds, and
-/// the moves to the goal, or -1 without a way there.
+/// The number of facts per robot: column, row, x and y in metres, heading in radians, collision
+/// impulse in newton-seconds, and moves to the goal, or -1 without a path.
 const FACTS: usize = 7;
-/// The outcome of a robot that did not act.
+/// The outcome code of a robot that did not act.
 const NONE: u8 = u8::MAX;
 
-/// Robots in mazes of their own, all alike. Results do not depend on the number of threads.
+/// Robots in identical, separate mazes. Results do not depend on the number of threads.
 #[pyclass(frozen, module = "xcscr._native")]
 pub struct Robots {
     plan: Plan,
@@ -28,7 +28,8 @@ pub struct Robots {
     lanes: Mutex<Vec<Box<dyn Arena>>>,
 }
 
-/// The outcome as a number: 0 moved, 1 found a reward, 2 collided, 3 stalled, 4 reached the goal.
+/// Returns the outcome as a number: 0 moved, 1 found a reward, 2 collided, 3 stalled, 4 reached the
+/// goal.
 fn number(outcome: Outcome) -> u8 {
     match outcome {
         Outcome::Moved => 0,
@@ -40,7 +41,7 @@ fn number(outcome: Outcome) -> u8 {
 }
 
 impl Robots {
-    /// Does something with all robots, without Python's lock.
+    /// Calls `act` with all robots, without holding Python's lock.
     fn with<T: Send>(
         &self,
         py: Python<'_>,
@@ -75,7 +76,7 @@ impl Robots {
         })
     }
 
-    /// Puts some of the robots into free cells; each begins the random numbers of its noise and slips with its seed.
+    /// Places some robots in free cells. The noise and slips of each robot restart from its seed.
     fn reset(
         &self,
         py: Python<'_>,
@@ -101,16 +102,17 @@ impl Robots {
         self.with(py, |all| {
             let new: Result<Vec<_>, String> = wanted.par_iter().map(put).collect();
             for (lane, arena) in new? {
-                let place = all.get_mut(lane);
-                *place.ok_or_else(|| format!("there is no robot {lane}"))? = arena;
+                let robot = all.get_mut(lane);
+                *robot.ok_or_else(|| format!("there is no robot {lane}"))? = arena;
             }
             Ok(())
         })
         .map_err(|fault: String| invalid(fault))
     }
 
-    /// Tries to move each robot whose action is below the number of actions; the others rest. Returns a byte for the outcome
-    /// of each (0 moved, 1 found a reward, 2 collided, 3 stalled, 4 reached the goal, 255 rested), and the auxiliary rewards.
+    /// Tries to move each robot whose action is below the number of actions. The others rest.
+    /// Returns an outcome byte for each robot (0 moved, 1 found a reward, 2 collided, 3 stalled, 4
+    /// reached the goal, 255 rested), and the auxiliary rewards.
     fn step(&self, py: Python<'_>, actions: &[u8]) -> PyResult<(Vec<u8>, Vec<f64>)> {
         let count = self.plan.maze.action_count();
         let act = |(arena, &action): (&mut Box<dyn Arena>, &u8)| {
@@ -135,7 +137,7 @@ impl Robots {
         .map_err(invalid)
     }
 
-    /// The percepts, a byte of 0 or 1 for each bit, one robot after the other.
+    /// Returns the percepts, one byte of 0 or 1 per bit, robot by robot.
     fn percepts(&self, py: Python<'_>) -> Vec<u8> {
         let sensor = self.plan.config.sensor;
         let least = self.lanes_per_thread();
@@ -150,8 +152,9 @@ impl Robots {
         })
     }
 
-    /// The facts of each robot as eight-byte floats in this machine's order, one robot after the other: column, row, x and y
-    /// in metres, heading in radians, impulse in newton-seconds, and the moves to the goal, or -1 without a way.
+    /// Returns the facts of each robot as eight-byte floats in native byte order, robot by robot:
+    /// column, row, x and y in metres, heading in radians, impulse in newton-seconds, and moves to
+    /// the goal, or -1 without a path.
     fn facts(&self, py: Python<'_>) -> Vec<u8> {
         let maze = &self.plan.maze;
         let facts = |arena: &mut Box<dyn Arena>| {

@@ -1,4 +1,4 @@
-//! Trials of the learners.
+//! Learner trials.
 
 use std::ops::ControlFlow;
 
@@ -9,7 +9,7 @@ use xcscr_learner::trial::{Plan, Trial};
 
 use crate::plan::{Choice, invalid};
 
-/// How many episodes run between two looks at signals, such as that of Ctrl-C.
+/// The number of episodes between two checks for signals such as Ctrl-C.
 const EPISODES_AT_ONCE: u32 = 16;
 
 /// A finished trial.
@@ -25,7 +25,7 @@ pub struct Trained {
     path: Option<Vec<(u16, u16)>>,
 }
 
-/// The figures of an episode, and whether the greedy policy was optimal after it.
+/// The statistics of an episode, and whether the greedy policy was optimal after it.
 type Row = (u32, u32, u32, u32, f64, bool, usize, bool);
 
 fn row(episode: &Episode, is_optimal: bool) -> Row {
@@ -54,7 +54,7 @@ pub fn train(py: Python<'_>, choice: Choice, method: &str, episodes: u32) -> PyR
                 break;
             }
             let (episode, flow) = trial.run_episode(&mut ());
-            debug_assert_eq!(flow, ControlFlow::Continue(()), "nobody breaks off");
+            debug_assert_eq!(flow, ControlFlow::Continue(()), "never interrupted");
             rows.push(row(&episode, trial.progress().optimal));
         }
         py.check_signals()?;
@@ -72,12 +72,12 @@ pub fn train(py: Python<'_>, choice: Choice, method: &str, episodes: u32) -> PyR
 
 #[pymethods]
 impl Trained {
-    /// A row for each episode: episode, steps, collisions, explored, reward, reached, rules, optimal.
+    /// Returns a row for each episode: episode, steps, collisions, explored, reward, reached, rules, optimal.
     fn rows(&self) -> Vec<Row> {
         self.episodes.clone()
     }
 
-    /// The rules: condition in words, action, prediction, error, experience. Empty for tables and plans.
+    /// Returns the rules: condition in words, action, prediction, error, experience. Empty for tables and plans.
     fn rules(&self) -> Vec<(String, String, f64, f64, u32)> {
         let Plan { maze, config } = &self.plan;
         let rules = self
@@ -95,19 +95,19 @@ impl Trained {
         described.collect()
     }
 
-    /// The cells through which the greedy policy goes from the start; `None` where episodes start anywhere.
+    /// Returns the cells of the greedy path from the start; `None` if episodes start anywhere.
     #[getter]
     fn greedy_path(&self) -> Option<Vec<(u16, u16)>> {
         self.path.clone()
     }
 
-    /// The name of the method.
+    /// Returns the name of the method.
     #[getter]
     fn method(&self) -> &'static str {
         self.plan.config.method.name()
     }
 
-    /// The name of the world.
+    /// Returns the name of the world.
     #[getter]
     fn world(&self) -> &str {
         self.plan.maze.name()

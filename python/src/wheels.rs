@@ -7,7 +7,7 @@ use xcscr_robot::arena::{Arena, PhysicsArena, WheelDrive};
 use crate::plan::{Choice, invalid};
 use crate::robot::free_cell;
 
-/// A differential-drive robot whose wheels are driven directly, 20 times a second.
+/// A differential-drive robot with direct control of the wheels, 20 times a second.
 #[pyclass(unsendable, module = "xcscr._native")]
 pub struct Wheels {
     plan: Plan,
@@ -31,22 +31,23 @@ impl Wheels {
         })
     }
 
-    /// Begins the random numbers of the wheel noise anew.
+    /// Restarts the random numbers of the wheel noise from a seed.
     fn reseed(&mut self, seed: u64) -> PyResult<()> {
         self.plan.config.seed = seed;
         self.drive = drive(&self.plan)?;
         Ok(())
     }
 
-    /// Puts the robot at rest into the middle of a free cell, with a heading in radians.
+    /// Places the robot at rest in the middle of a free cell, with a heading in radians.
     fn reset(&mut self, start: (u16, u16), heading: f64) -> PyResult<()> {
         let cell = free_cell(&self.plan.maze, start)?;
         self.drive.reset(cell, heading);
         Ok(())
     }
 
-    /// Drives for 50 ms with the wanted speeds of the left and the right rim in m/s. Returns whether the robot stands in a goal
-    /// cell, and the impulses of the hits on walls, added up, in newton-seconds.
+    /// Drives for 50 ms at the commanded rim speeds of the left and right wheel, in m/s. Returns
+    /// whether the robot is in a goal cell, and the total impulse of wall collisions in
+    /// newton-seconds.
     fn step(&mut self, left: f64, right: f64) -> (bool, f64) {
         self.drive.step([left, right]);
         let contacts = self.drive.arena().view().contacts.iter();
@@ -54,18 +55,20 @@ impl Wheels {
         (self.drive.has_arrived(), impulse)
     }
 
-    /// The distances to the first wall in metres, at most `limit`, counter-clockwise from straight ahead.
+    /// Returns the distances to the nearest wall in metres, at most `limit`, counter-clockwise from
+    /// straight ahead.
     fn ranges(&self, beams: usize, limit: f64) -> Vec<f64> {
         self.drive.ranges_m(beams, limit)
     }
 
-    /// The distance to the nearest goal in metres, and its bearing in radians from straight ahead.
+    /// Returns the distance to the nearest goal in metres, and its bearing in radians from straight
+    /// ahead.
     #[getter]
     fn goal(&self) -> (f64, f64) {
         self.drive.goal()
     }
 
-    /// The pose in the map frame: x and y in metres, heading in radians from the x axis.
+    /// Returns the pose in the map frame: x and y in metres, heading in radians from the x axis.
     #[getter]
     fn pose(&self) -> (f64, f64, f64) {
         let pose = self.drive.arena().view().now().robot_in_map;
@@ -76,7 +79,7 @@ impl Wheels {
         )
     }
 
-    /// The largest speed of a rim in m/s.
+    /// Returns the maximum rim speed in m/s.
     #[getter]
     fn max_speed(&self) -> f64 {
         self.drive.max_speed_mps()

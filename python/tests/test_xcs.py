@@ -94,7 +94,7 @@ def test_a_table_of_bits_is_learned():
     learner = xcscr.XCS(2, n_bits=6, p_explore=1.0, p_hash=0.5, population_size=800)
     learner.fit_table(percepts, actions, trials=6000)
     assert [learner.policy(one) for one in percepts] == actions.tolist()
-    with pytest.raises(ValueError, match="not one of the 2"):
+    with pytest.raises(ValueError, match="not one of the learner's 2"):
         learner.fit_table(percepts, actions + 1, trials=1)
 
 

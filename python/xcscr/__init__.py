@@ -39,7 +39,7 @@ __version__ = "0.1.0"
 
 
 def __getattr__(name: str) -> Any:
-    """Imports the classifier when it is used, because it needs scikit-learn."""
+    """Imports the classifier on first use, because it needs scikit-learn."""
     if name != "XCSClassifier":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from .classifier import XCSClassifier
@@ -48,7 +48,7 @@ def __getattr__(name: str) -> Any:
 
 
 def _id(world: str) -> str:
-    """The identifier of a bundled world: `maze4-classic` is `xcscr/Maze4Classic-v0`."""
+    """Returns the identifier of a bundled world: `maze4-classic` is `xcscr/Maze4Classic-v0`."""
     return "xcscr/" + "".join(part[:1].upper() + part[1:] for part in world.split("-")) + "-v0"
 
 

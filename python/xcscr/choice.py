@@ -1,4 +1,4 @@
-"""From Python's arguments to those of the native part."""
+"""Conversion of Python arguments to arguments of the native part."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ._native import Robot
 def choice(
     world: str, arena: str, sensor: str | None, robot: str | None, settings: dict[str, Any], seed: int
 ) -> dict[str, Any]:
-    """Returns what the native part takes: settings as the program writes them."""
+    """Returns the arguments of the native part, with settings as `key=value` strings."""
 
     def written(value: Any) -> str:
         return str(value).lower() if isinstance(value, bool) else str(value)
@@ -21,7 +21,7 @@ def choice(
 
 
 def with_goal(given: dict[str, Any], goal: tuple[int, int] | None) -> dict[str, Any]:
-    """Returns the choice with one other goal in its world; with the goals of the world for `None`."""
+    """Returns the choice with this single goal in its world. `None` keeps the goals of the world."""
     if goal is None:
         return given
     world = json.loads(Robot(given).world_json)

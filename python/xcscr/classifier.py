@@ -24,16 +24,16 @@ MOST_CLASSES = 256
 
 
 class XCSClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
-    """XCSR as a classifier of scikit-learn: readable interval rules for tables of numbers.
+    """XCSR as a scikit-learn classifier: readable interval rules for tables of numbers.
 
-    Each of `iterations` trials draws a row and learns from one answer: half of them from the right class, with
-    the reward 1000, and the others from any other class, with the reward 0. `fit` scales each feature from its
-    smallest to its greatest value to 0 to 1. The same data and `random_state` give the same rules on every machine.
+    Each of `iterations` trials draws a row and learns from one answer. Half of the trials answer with the right
+    class and get the reward 1000. The others answer with any other class and get the reward 0. `fit` scales each
+    feature from its minimum and maximum to 0 and 1. The same data and `random_state` give the same rules on every machine.
 
     Parameters
     ----------
     iterations : int, default 50000
-        Trials of learning.
+        The number of learning trials.
     population_size, beta, alpha, epsilon_0, nu, theta_ga, chi, mu, theta_del, delta, theta_sub, s0, m, \
 initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_subsumption
         See `xcscr.Parameters`.
@@ -44,8 +44,8 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
     ----------
     classes_ : array of the classes
     n_features_in_ : number of features
-    feature_names_in_ : names of the features, where `X` is a frame
-    n_iter_ : trials that were run
+    feature_names_in_ : names of the features, if `X` is a data frame
+    n_iter_ : number of trials run
     """
 
     def __init__(
@@ -109,7 +109,7 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
         check_classification_targets(y)
         self.classes_, answers = numpy.unique(y, return_inverse=True)
         if len(self.classes_) > MOST_CLASSES:
-            raise ValueError(f"{len(self.classes_)} classes are too many: there may be up to {MOST_CLASSES}")
+            raise ValueError(f"{len(self.classes_)} classes are too many: the limit is {MOST_CLASSES}")
         if self.iterations < 1:
             raise ValueError(f"iterations is {self.iterations}, but must be at least 1")
         names = named(getattr(self, "feature_names_in_", None), X.shape[1], "x")
@@ -123,7 +123,7 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
         return self
 
     def predict_proba(self, X: Any) -> Any:
-        """The predicted reward of each class as a share of the sum; the shares in training where no rule matches."""
+        """Returns each class's share of the predicted rewards, or its share of the training rows if no rule matches."""
         check_is_fitted(self)
         X = validate_data(self, X, dtype=float, reset=False)
         values = numpy.frombuffer(self._agent.values(self._percepts.rows(X).tobytes()))
@@ -132,17 +132,17 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
         return values / values.sum(axis=1, keepdims=True)
 
     def predict(self, X: Any) -> Any:
-        """The class of the greatest predicted reward."""
+        """Returns the class with the greatest predicted reward."""
         shares = self.predict_proba(X)
         return self.classes_[numpy.argmax(shares, axis=1)]
 
     def rules(self) -> list[XCSRule]:
-        """The rules with conditions in units of the features, the most numerous first. `action` numbers `classes_`."""
+        """Returns the rules, with conditions in feature units, the highest numerosity first. `action` indexes `classes_`."""
         check_is_fitted(self)
         return rules_of(self._agent, self._percepts, 0)
 
     def rules_frame(self) -> Any:
-        """A pandas frame with a row for each rule and the class in a column of its own."""
+        """Returns a pandas frame with a row for each rule and a column for the class."""
         frame = frame_of(self.rules())
         frame.insert(1, "class", self.classes_[frame["action"]])
         return frame

@@ -24,15 +24,15 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
     """A differential-drive robot in a maze.
 
     ## Description
-    The robot moves from cell to cell until it reaches a goal. In physics (`arena="physics"`) rapier2d simulates its body, wheels
-    and sensors, and an action drives one cell. On the grid (`arena="grid"`) the same moves take no time.
+    The robot moves from cell to cell until it reaches a goal. In physics (`arena="physics"`), rapier2d simulates its body,
+    wheels and sensors, and an action drives one cell. On the grid (`arena="grid"`) the same moves take no time.
 
     ## Action Space
     `Discrete(4)` or `Discrete(8)`: the directions, clockwise from north. A move against a wall leaves the robot where it was.
 
     ## Observation Space
     `MultiBinary(n)`: the percept of `sensor`. `neighbours` has two bits for each of the eight cells around the robot. `lidar` is the same as
-    a lidar shows it, without goals. `position`, `neighbours-position` and `lidar-position` add column and row.
+    measured by a lidar, without goals. `position`, `neighbours-position` and `lidar-position` add column and row.
 
     ## Rewards
     `goal_reward` (1) at a goal, `step_reward` (0) otherwise, and `collision_reward` (0) in addition where the robot hits a wall.
@@ -40,7 +40,7 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
 
     ## Starting State
     The start cell of the world, or a random free cell. `reset(options={"start": (column, row), "goal": (column, row)})` chooses them. A
-    goal holds until another one is given. `"goal": None` brings the goals of the world back.
+    goal stays in effect until another one is set. `"goal": None` restores the goals of the world.
 
     ## Episode Termination
     The episode terminates at a goal. It is truncated after `max_steps` steps (default: the step threshold of the world).
@@ -52,7 +52,7 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
     - `robot`: a bundled profile or a TOML file; physics only
     - `noise`: factor for all sensor noise; physics only
     - `slip`: the probability that another action is executed
-    - `settings`: settings of the program by their full names
+    - `settings`: program settings by their full names
 
     `info` has `cell`, `pose` (x and y in metres, heading in radians, in the map frame), `collision_impulse` (newton-seconds),
     `shortest_distance` (moves to the goal) and, after a step, `outcome`.
@@ -102,7 +102,7 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
             self._choice = with_goal(self._given, options["goal"])
             self._robot = Robot(self._choice)
         start = options.get("start")
-        # Each episode draws its noise from a seed of its own, so that it can be repeated alone.
+        # Each episode has its own noise seed, so that it can be replayed on its own.
         noise = int(self.np_random.integers(2**63))
         if start is None:
             cells = self._robot.start_cells
@@ -154,11 +154,11 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
     def _ansi(self) -> str:
         goals, cell = set(self._robot.goals), self._robot.cell
 
-        def letter(place: tuple[int, int], wall: bool) -> str:
-            return "R" if place == cell else "G" if place in goals else "#" if wall else "."
+        def glyph(cell_at: tuple[int, int], wall: bool) -> str:
+            return "R" if cell_at == cell else "G" if cell_at in goals else "#" if wall else "."
 
         rows = enumerate(self._robot.walls)
-        return "\n".join("".join(letter((c, r), wall) for c, wall in enumerate(row)) for r, row in rows)
+        return "\n".join("".join(glyph((c, r), wall) for c, wall in enumerate(row)) for r, row in rows)
 
     def _rgb(self) -> np.ndarray:
         walls = np.array(self._robot.walls)
@@ -174,7 +174,7 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
         return image
 
     def __getstate__(self) -> dict[str, Any]:
-        """The environment without the native robot, which is rebuilt from the actions of the episode."""
+        """Returns the state without the native robot, which is rebuilt by replaying the actions of the episode."""
         state = self.__dict__.copy()
         del state["_robot"]
         return state

@@ -1,4 +1,4 @@
-"""Trials of the learners."""
+"""Learner trials."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Rule(NamedTuple):
 
 
 class Result:
-    """What a trial came to."""
+    """The result of a trial."""
 
     def __init__(self, native: _native.Trained) -> None:
         self._native = native
@@ -43,20 +43,20 @@ class Result:
 
     @property
     def retained(self) -> bool:
-        """Is the greedy policy globally optimal at the end?"""
+        """Whether the greedy policy is globally optimal at the end."""
         return self._native.retained
 
     @property
     def greedy_path(self) -> list[tuple[int, int]] | None:
-        """The cells of the greedy path from the start; None where episodes start anywhere."""
+        """The cells of the greedy path from the start; None if episodes start anywhere."""
         return self._native.greedy_path
 
     def rules(self) -> list[Rule]:
-        """The rules, the most experienced first. Empty for tables and plans."""
+        """Returns the rules, the most experienced first. Empty for tables and plans."""
         return [Rule(*rule) for rule in self._native.rules()]
 
     def episodes(self) -> Any:
-        """A pandas frame with a row for each episode."""
+        """Returns a pandas frame with a row for each episode."""
         import pandas  # type: ignore[import-untyped]
 
         return pandas.DataFrame(self._native.rows(), columns=COLUMNS).set_index("episode")

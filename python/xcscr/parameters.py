@@ -1,4 +1,4 @@
-"""The parameters of XCS by the names of the field."""
+"""The parameters of XCS, under the names used in the literature."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ SPREADS = ("s0", "m")
 class Parameters(TypedDict, total=False):
     """Parameters of XCS (Butz and Wilson 2001) and XCSR (Wilson 2000); the defaults are in brackets.
 
-    population_size: N, the most micro-classifiers (1600).
+    population_size: N, the maximum number of micro-classifiers (1600).
     p_hash: P#, the probability of a don't-care in covering, for binary percepts (0.3).
     beta: the learning rate (0.2).
     alpha, epsilon_0, nu: accuracy is 1 up to the error epsilon_0, and alpha (error / epsilon_0)^-nu above it
         (0.1, 10, 5). epsilon_0 is in units of reward.
-    theta_ga: mean steps between two runs of the genetic algorithm in a niche (25).
+    theta_ga: the mean number of steps between two runs of the genetic algorithm in a niche (25).
     chi, mu: the probabilities of crossover and of mutating an attribute (0.8, 0.04).
-    theta_del, delta: from this experience on, fitness below delta of the mean counts in deletion (20, 0.1).
-    theta_sub: the experience from which on a rule can subsume others (20).
-    s0: the largest distance of a bound from the percept in covering, of the range of a feature (1). With dozens of
-        features, take 10 or more: then most features begin as don't-cares.
-    m: the largest change of a bound in mutation, of the range of a feature (0.1).
-    initial_prediction, initial_error, initial_fitness: the figures of a covering rule (0, 0, 0.01).
+    theta_del, delta: above this experience, a fitness below delta times the mean raises the deletion vote (20, 0.1).
+    theta_sub: the experience above which a rule can subsume others (20).
+    s0: the largest distance of a bound from the percept in covering, as a share of the feature's range (1). With
+        dozens of features, use 10 or more, so that most features start as don't-cares.
+    m: the largest change of a bound in mutation, as a share of the feature's range (0.1).
+    initial_prediction, initial_error, initial_fitness: the initial values of a covering rule (0, 0, 0.01).
     ga, ga_subsumption, action_set_subsumption: switches (True).
     update_order, subsumer_ties, ga_clock: variants of the algorithm.
     """
@@ -57,7 +57,7 @@ class Parameters(TypedDict, total=False):
 
 
 def plain(parameters: dict[str, Any]) -> dict[str, Any]:
-    """Returns the parameters with Python's own numbers in place of numpy's. Raises TypeError for unknown names."""
+    """Returns the parameters with numpy numbers converted to Python numbers. Raises TypeError for unknown names."""
     unknown = sorted(parameters.keys() - Parameters.__annotations__.keys())
     if unknown:
         known = ", ".join(Parameters.__annotations__)
@@ -66,7 +66,7 @@ def plain(parameters: dict[str, Any]) -> dict[str, Any]:
 
 
 def as_json(parameters: dict[str, Any]) -> tuple[str, str]:
-    """Returns the parameters of XCS and those of interval conditions, as the native part takes them."""
+    """Returns the parameters of XCS and of interval conditions as JSON for the native part."""
     native = {"dont_care" if key == "p_hash" else key: value for key, value in parameters.items()}
     spreads = {key: native.pop(key) for key in SPREADS if key in native}
     return json.dumps(native), json.dumps(spreads)

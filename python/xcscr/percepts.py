@@ -11,7 +11,7 @@ from gymnasium import spaces
 
 Tests = Sequence[tuple[int, float, float]]
 
-#: A discrete variable with at most this many values has a bit for each; a larger one is binary coded.
+#: A discrete variable with at most this many values gets one bit per value; a larger one is binary coded.
 MOST_ONE_HOT = 64
 
 
@@ -38,7 +38,7 @@ class Bits:
 
 @dataclass(frozen=True)
 class States:
-    """Discrete observations: one number for each variable, from `starts` on."""
+    """Discrete observations: one number per variable, starting at `starts`."""
 
     counts: tuple[int, ...]
     starts: tuple[int, ...]
@@ -73,7 +73,7 @@ class States:
 
 @dataclass(frozen=True)
 class Reals:
-    """Real-valued observations, scaled from `low` to `high` of each feature to 0 to 1."""
+    """Real-valued observations. Each feature is scaled from `low`..`high` to 0..1."""
 
     low: tuple[float, ...]
     high: tuple[float, ...]
@@ -109,7 +109,7 @@ Percepts = Bits | States | Reals
 
 
 def _bit(lower: float) -> int:
-    """The value that a test demands of a bit; also of an interval, where [0.3, 1] demands 1."""
+    """Returns the value that a test requires of a bit. An interval such as [0.3, 1] requires 1."""
     return int(lower > 0.0)
 
 

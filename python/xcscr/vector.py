@@ -1,4 +1,4 @@
-"""Many environments at a time, stepped by threads outside of Python."""
+"""Many environments, stepped in parallel by native threads."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ COLLIDED, REACHED_GOAL, RESTS = 2, 4, 255
 
 
 class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
-    """`num_envs` environments like `MazeEnv`, with its arguments; each is the one of `MazeEnv` with the seed `seed + i`.
+    """`num_envs` copies of `MazeEnv`, with its arguments. Environment `i` equals a `MazeEnv` with the seed `seed + i`.
 
-    The robots move on all cores, and Python's lock is free meanwhile. The results do not depend on the number of cores or of
-    other environments. `autoreset_mode` says what happens after the end of an episode: the next step resets
-    (`AutoresetMode.NEXT_STEP`), the same step does (`SAME_STEP`; `infos` then has `final_obs` and `final_info`), or nothing does
-    (`DISABLED`): `reset(options={"reset_mask": mask})` resets some of them.
+    The robots move on all cores without holding Python's lock. The results do not depend on the number of cores or of other
+    environments. `autoreset_mode` selects when a finished environment is reset: in the next step (`AutoresetMode.NEXT_STEP`), in
+    the same step (`SAME_STEP`; `infos` then has `final_obs` and `final_info`), or only by the caller (`DISABLED`).
+    `reset(options={"reset_mask": mask})` resets some of the environments.
 
-    `infos` has arrays by environment: `cell`, `pose`, `collision_impulse`, `shortest_distance` (-1 without a way) and, after a
+    `infos` has arrays by environment: `cell`, `pose`, `collision_impulse`, `shortest_distance` (-1 without a path) and, after a
     step, `outcome`.
     """
 
@@ -47,7 +47,7 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     ) -> None:
         if render_mode is not None:
-            raise ValueError("a vector environment draws nothing: leave `render_mode` out")
+            raise ValueError("a vector environment cannot render: leave `render_mode` out")
         if num_envs < 1:
             raise ValueError(f"num_envs is {num_envs}, but must be at least 1")
         sets = dict(settings or {})
@@ -75,7 +75,7 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self._begun = np.zeros(num_envs, np.bool_)
 
     def _place(self, chosen: dict[str, Any]) -> None:
-        """Takes the maze of a choice, with robots that stand nowhere yet."""
+        """Loads the maze of a choice. The robots are not placed yet."""
         self._robots = Robots(chosen, self.num_envs)
         self._starts = Robot(chosen).start_cells
 
@@ -89,7 +89,7 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         mask = options.get("reset_mask")
         mask = np.ones(self.num_envs, np.bool_) if mask is None else np.asarray(mask, np.bool_)
         if mask.shape != (self.num_envs,) or not mask.any():
-            raise ValueError(f"`reset_mask` must have {self.num_envs} entries, of which one at least is true")
+            raise ValueError(f"`reset_mask` must have {self.num_envs} entries, at least one of them true")
         seeds = [seed + lane for lane in range(self.num_envs)] if isinstance(seed, int) else seed
         if seeds is not None and len(seeds) != self.num_envs:
             raise ValueError(f"there are {len(seeds)} seeds for {self.num_envs} environments")
@@ -104,7 +104,7 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         return self._observations(), self._infos(mask)
 
     def _begin(self, lanes: np.ndarray, start: tuple[int, int] | None = None) -> None:
-        """Begins an episode in some of the environments, as `MazeEnv.reset` does."""
+        """Starts an episode in some of the environments, as `MazeEnv.reset` does."""
         noises, starts = [], []
         for lane in lanes:
             draws = self._draws[lane]
@@ -125,7 +125,7 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         over = self._done.copy()
         if self._mode == AutoresetMode.DISABLED and over.any():
             raise gymnasium.error.ResetNeeded(f"the episodes of environments {np.flatnonzero(over).tolist()} are over: reset them")
-        # What is over rests, and begins anew.
+        # Finished environments rest in this step and are then reset.
         codes, found = self._robots.step(np.where(over, RESTS, actions).astype(np.uint8).tobytes())
         outcome = np.frombuffer(codes, np.uint8)
         acted = ~over
@@ -146,7 +146,7 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         return observations, rewards, terminations, truncations, infos
 
     def _after_end(self, infos: dict[str, Any], observations: np.ndarray) -> tuple[dict[str, Any], np.ndarray]:
-        """Begins anew what is over, and keeps how it ended."""
+        """Resets the finished environments and stores their final observations and infos."""
         ended = self._done.copy()
         last = np.full(self.num_envs, None, object)
         for lane in np.flatnonzero(ended):

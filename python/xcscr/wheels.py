@@ -1,4 +1,4 @@
-"""A Gymnasium environment of the robot whose wheels are driven."""
+"""A Gymnasium environment with direct control of the robot's wheels."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from .choice import choice, with_goal
 
 
 class WheelsEnv(gymnasium.Env[np.ndarray, np.ndarray]):
-    """A differential-drive robot whose wheels are driven 20 times a second.
+    """A differential-drive robot with direct control of the wheels, 20 times a second.
 
     ## Description
-    The robot of `xcscr/Maze-v0` in physics, without its controller: rapier2d simulates body, wheels, floor and walls. The robot has to find
-    the way to a goal.
+    The robot of `xcscr/Maze-v0` in physics, without its controller: rapier2d simulates body, wheels, floor and walls. The robot has to
+    reach a goal.
 
     ## Action Space
-    `Box(-1, 1, (2,))`: the wanted speeds of the left and the right wheel, as a share of the largest speed of the robot. The motors follow with
-    their lag and limited acceleration.
+    `Box(-1, 1, (2,))`: the commanded speeds of the left and right wheel, as a share of the maximum speed of the robot. The motors respond
+    with lag and limited acceleration.
 
     ## Observation Space
-    `Box((beams + 3,))`: the distances to the first wall in `beams` directions, evenly apart and counter-clockwise from straight ahead, as a
-    share of `range_m`. Then the sine and the cosine of the bearing of the nearest goal, and its distance in a straight line as a
+    `Box((beams + 3,))`: the distances to the nearest wall in `beams` evenly spaced directions, counter-clockwise from straight ahead, as a
+    share of `range_m`. Then the sine and the cosine of the bearing of the nearest goal, and its straight-line distance as a
     share of the diagonal of the world. These readings have no noise.
 
     ## Rewards
@@ -34,16 +34,16 @@ class WheelsEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 
     ## Starting State
     At rest in the middle of the start cell of the world, or of a random free cell, with a random heading. `reset(options={"start":
-    (column, row), "heading": radians, "goal": (column, row)})` chooses them. A goal holds until another one is given. `"goal": None` brings
-    the goals of the world back.
+    (column, row), "heading": radians, "goal": (column, row)})` chooses them. A goal stays in effect until another one is set. `"goal": None`
+    restores the goals of the world.
 
     ## Episode Termination
-    The episode terminates when the middle of the robot is in a goal cell. It is truncated after `max_steps` steps (1,200, which is a
+    The episode terminates when the middle of the robot is in a goal cell. It is truncated after `max_steps` steps (1,200, or one
     minute).
 
     ## Arguments
-    - `world`, `robot`, `noise`, `settings`: as those of `xcscr/Maze-v0`
-    - `beams`, `range_m`: number and reach of the distances
+    - `world`, `robot`, `noise`, `settings`: as in `xcscr/Maze-v0`
+    - `beams`, `range_m`: number and range of the distance readings
 
     `info` has `pose` (x and y in metres, heading in radians, in the map frame), `goal_distance` (metres) and `collision_impulse`
     (newton-seconds).
@@ -107,7 +107,7 @@ class WheelsEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         return self._observation(), self._info(0.0)
 
     def _replay(self) -> None:
-        """Drives the episode again, up to now."""
+        """Replays the episode up to the current step."""
         assert self._history is not None
         noise, start, heading, speeds = self._history
         self._wheels.reseed(noise)
@@ -141,7 +141,7 @@ class WheelsEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         return {"pose": np.array(wheels.pose), "goal_distance": wheels.goal[0], "collision_impulse": impulse}
 
     def __getstate__(self) -> dict[str, Any]:
-        """Returns the environment without its native parts, which are rebuilt from the speeds of the episode."""
+        """Returns the state without the native parts, which are rebuilt by replaying the speeds of the episode."""
         state = self.__dict__.copy()
         del state["_wheels"], state["_maze"]
         return state

@@ -16,13 +16,13 @@ from ._native import Agent
 from .parameters import Parameters, as_json, plain
 from .percepts import Bits, Percepts, Reals, States, named, of_space
 
-#: Ternary conditions have at most this many bits and actions; beyond, each bit gets an interval.
+#: The limits of ternary conditions. Beyond them, each bit gets an interval.
 MOST_BITS, MOST_TERNARY_ACTIONS = 320, 8
 _KINDS: dict[str, type[Percepts]] = {"bits": Bits, "states": States, "reals": Reals}
 
 
 class XCSRule(NamedTuple):
-    """A macro-classifier: if `condition` holds, `action` is worth `prediction`."""
+    """A macro-classifier: if `condition` holds, the predicted value of `action` is `prediction`."""
 
     condition: str
     action: int
@@ -36,7 +36,7 @@ class XCSRule(NamedTuple):
 
 
 def rules_of(agent: Agent, percepts: Percepts, first_action: int) -> list[XCSRule]:
-    """Returns the rules with conditions in words, the most numerous first."""
+    """Returns the rules with conditions as text, the highest numerosity first."""
     rules = [
         XCSRule(percepts.words(rule[0]), rule[1] + first_action, *rule[2:]) for rule in agent.rules()
     ]
@@ -80,7 +80,7 @@ class XCS:
         """Creates an untrained learner for `n_bits` bits, or for `n_features` numbers from `low` to `high`.
 
         `gamma` is the discount factor and `p_explore` the share of random actions while learning.
-        `Parameters` describes the other parameters. Raises ValueError where a value is out of range.
+        `Parameters` describes the other parameters. Raises ValueError if a value is out of range.
         """
         if (n_bits is None) == (n_features is None):
             raise ValueError("pass either n_bits or n_features")
@@ -109,7 +109,7 @@ class XCS:
         """Creates a learner for a Gymnasium environment.
 
         The action space must be Discrete, and the observation space Discrete, MultiDiscrete, MultiBinary or Box.
-        A discrete variable gets a bit for each value; with more than 64 values it is binary coded. An unbounded Box
+        A discrete variable gets one bit per value, or a binary code if it has more than 64 values. An unbounded Box
         needs `low` and `high`.
         """
         actions = env.action_space
@@ -159,40 +159,40 @@ class XCS:
         return bytes(self._percepts.rows(percept).astype(float).tobytes())
 
     def act(self, percept: Any, explore: bool = True) -> int:
-        """Chooses an action for learning: any with the probability `p_explore`, and one of the best otherwise.
+        """Chooses an action for learning: a random one with probability `p_explore`, and one of the best otherwise.
 
-        With `explore=False` it is always one of the best. Call `update` with its reward.
+        With `explore=False`, always chooses one of the best. Call `update` with the reward of the action.
         """
         return self._agent.act(self._bytes(percept), explore) + self._first_action
 
     def update(self, reward: float, next_percept: Any = None, terminated: bool = True) -> None:
         """Learns from the reward of the last action.
 
-        In a multistep problem pass the next percept and `terminated=False`: its greatest action value, discounted by
-        `gamma`, is added to the reward. After an episode that was truncated, call `end_episode`.
+        In a multistep problem, pass the next percept and `terminated=False`. The greatest action value of the next
+        percept, discounted by `gamma`, is added to the reward. After a truncated episode, call `end_episode`.
         """
         if not terminated and next_percept is None:
-            raise ValueError("an episode that goes on needs next_percept")
+            raise ValueError("pass next_percept unless the episode has terminated")
         self._agent.update(float(reward), None if terminated else self._bytes(next_percept))
 
     def end_episode(self) -> None:
-        """Forgets the last action; the next percept does not follow from it."""
+        """Discards the last action, so that the next percept starts a new episode."""
         self._agent.end_episode()
 
     def values(self, percept: Any) -> list[float | None]:
-        """The value of each action, None where no rule matches. Changes nothing."""
+        """Returns the value of each action, or None if no rule advocates it. Changes nothing."""
         row = numpy.frombuffer(self._agent.values(self._bytes(percept)))
         return [None if numpy.isnan(value) else float(value) for value in row]
 
     def policy(self, percept: Any) -> int:
-        """The first of the best actions; the first action where no rule matches. Changes nothing."""
+        """Returns the first of the best actions, or the first action if no rule matches. Changes nothing."""
         values = [-numpy.inf if value is None else value for value in self.values(percept)]
         return int(numpy.argmax(values)) + self._first_action
 
     def fit(self, env: Any, *, steps: int | None = None, episodes: int | None = None, seed: int | None = None) -> XCS:
         """Learns in a Gymnasium environment for a number of steps or episodes, whichever ends first.
 
-        `seed` goes to the first reset; by default it is that of the learner. An episode that is cut off by `steps`
+        `seed` is passed to the first reset; by default it is the seed of the learner. An episode cut off by `steps`
         has no entry in `episode_returns`.
         """
         if steps is None and episodes is None:
@@ -215,24 +215,24 @@ class XCS:
         return self
 
     def fit_table(self, percepts: Any, actions: Any, *, trials: int, seed: int | None = None) -> XCS:
-        """Learns from a table of percepts and their right actions, without Python's lock.
+        """Learns from a table of percepts and their right actions, without holding Python's lock.
 
         Each trial draws a row at random. Half of the trials take the right action, which gets the reward 1000. The
-        others take any other action, which gets 0. `seed` decides the rows; by default it is that of the learner.
+        others take any other action, which gets 0. `seed` selects the rows; by default it is the seed of the learner.
         """
         rows, answers = self._percepts.rows(percepts), numpy.asarray(actions).ravel() - self._first_action
         if ((answers < 0) | (answers >= self.n_actions)).any():
-            raise ValueError(f"an action is not one of the {self.n_actions} of the learner")
+            raise ValueError(f"an action is not one of the learner's {self.n_actions} actions")
         chosen = self._arguments[4] if seed is None else seed
         self._agent.learn_table(rows.tobytes(), answers.astype(numpy.uint8).tobytes(), trials, chosen)
         return self
 
     def rules(self) -> list[XCSRule]:
-        """The rules with readable conditions, the most numerous first; an empty condition matches everything."""
+        """Returns the rules with readable conditions, the highest numerosity first. An empty condition matches everything."""
         return rules_of(self._agent, self._percepts, self._first_action)
 
     def rules_frame(self) -> Any:
-        """A pandas frame with a row for each rule. Raises ImportError without pandas."""
+        """Returns a pandas frame with a row for each rule. Raises ImportError without pandas."""
         return frame_of(self.rules())
 
     def __getstate__(self) -> dict[str, Any]:
@@ -254,12 +254,12 @@ class XCS:
         self.episode_returns = list(state["episode_returns"])
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the learner to a JSON file, from which `load` goes on to the bit."""
+        """Writes the learner to a JSON file. A learner read by `load` continues bit for bit."""
         Path(path).write_text(json.dumps(self.__getstate__()), encoding="utf-8")
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> XCS:
-        """Reads a learner that `save` wrote. Raises ValueError for any other file."""
+        """Reads a learner written by `save`. Raises ValueError for any other file."""
         learner = cls.__new__(cls)
         try:
             learner.__setstate__(json.loads(Path(path).read_text(encoding="utf-8")))

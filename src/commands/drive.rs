@@ -1,4 +1,4 @@
-//! `xcscr drive`: the learned policy drives a robot that is known only by its messages.
+//! `xcscr drive`: drives a robot with a learned policy.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -22,35 +22,37 @@ pub struct DriveArgs {
     /// Drive a robot on ROS 2 (needs a build with `--features ros2`).
     #[arg(long)]
     ros2: bool,
-    /// Decide by the sensor readings in an MCAP file, of a drive or of `ros2 bag record`, and print the decisions. Compares them
-    /// with those of a recorded drive.
+    /// Decide from the sensor readings in an MCAP file, of a drive or of `ros2 bag record`, and
+    /// print the decisions. For a recorded drive, compare them with its decisions.
     #[arg(long, value_name = "FILE")]
     bag: Option<PathBuf>,
-    /// The robot that is driven: a bundled profile or a TOML file. Refused unless the policy was trained with it.
+    /// The robot: a bundled profile or a TOML file. It must be the robot that the policy was
+    /// trained with.
     #[arg(long, value_name = "NAME|FILE")]
     robot: Option<String>,
-    /// Another maze than the run's own. Refused if its cells have another size.
+    /// The maze, if it is not the run's own. Its cells must have the same size.
     #[arg(long, value_name = "FILE")]
     world: Option<PathBuf>,
-    /// Where the robot stands, in the map frame: x and y in metres, and the heading in radians [default: the start cell].
+    /// Start pose in the map frame: x and y in metres, heading in radians [default: the start
+    /// cell].
     #[arg(long, value_name = "X,Y,YAW", value_parser = node::pose, allow_hyphen_values = true)]
     start: Option<[f64; 3]>,
-    /// Where the lidar is on the robot: x and y in metres, and the heading in radians.
+    /// Pose of the lidar on the robot: x and y in metres, heading in radians.
     #[arg(long, value_name = "X,Y,YAW", value_parser = node::pose, allow_hyphen_values = true, default_value = "0,0,0")]
     laser: [f64; 3],
     /// The frame of scans [default: base_scan, laser, laser_frame or base_link].
     #[arg(long, value_name = "NAME")]
     scan_frame: Option<String>,
-    /// Take the time from /clock, as of a simulated robot.
+    /// Take the time from /clock, for a simulated robot.
     #[arg(long)]
     sim_time: bool,
-    /// Publish TwistStamped on cmd_vel, and not Twist.
+    /// Publish TwistStamped on cmd_vel instead of Twist.
     #[arg(long)]
     stamped: bool,
     /// Decide and record, but publish nothing on cmd_vel.
     #[arg(long)]
     dry_run: bool,
-    /// Where the drive is recorded [default: that of the run, with `-drive.mcap` at its end].
+    /// The file for the recording [default: the name of the run with `-drive.mcap` appended].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Replace an earlier recording.
@@ -87,9 +89,9 @@ impl DriveArgs {
         Ok(DriveSetup::new(&plan, &knowledge, options)?)
     }
 
-    /// The file of the recording.
+    /// Returns the file for the recording.
     fn file(&self) -> PathBuf {
-        let beside = || {
+        let default = || {
             let name = match self.run.is_dir() {
                 true => self.run.file_name(),
                 false => self.run.file_stem(),
@@ -97,7 +99,7 @@ impl DriveArgs {
             let name = name.unwrap_or_default().to_string_lossy();
             self.run.with_file_name(format!("{name}-drive.mcap"))
         };
-        self.out.clone().unwrap_or_else(beside)
+        self.out.clone().unwrap_or_else(default)
     }
 }
 
@@ -107,7 +109,7 @@ impl From<Refusal> for Failure {
     }
 }
 
-/// Drives.
+/// Runs `xcscr drive`.
 pub fn run(args: &DriveArgs, out: &mut impl Write) -> Result<(), Failure> {
     let setup = args.setup()?;
     if let Some(bag) = &args.bag {
@@ -122,19 +124,19 @@ pub fn run(args: &DriveArgs, out: &mut impl Write) -> Result<(), Failure> {
     drive(setup, &options, (&args.file(), args.force), out)
 }
 
-/// Decides by recorded readings, and compares.
+/// Decides from recorded readings, and compares the decisions.
 fn repeat(mut driver: Driver, bag: &Path, out: &mut impl Write) -> Result<(), Failure> {
     let DriveRecording {
         readings,
         decisions,
     } = DriveRecording::read(bag)?;
     let mut own = Vec::new();
-    let mut said: Vec<&str> = Vec::new();
+    let mut reported: Vec<&str> = Vec::new();
     for (time_ns, readings) in &readings {
         let step = driver.step(*time_ns, readings);
         let names: Vec<&str> = step.faults.iter().map(Fault::name).collect();
-        if names != said {
-            said = names;
+        if names != reported {
+            reported = names;
             print_faults(&step.faults, out)?;
         }
         if let Some(decision) = step.decision {
@@ -151,7 +153,7 @@ fn repeat(mut driver: Driver, bag: &Path, out: &mut impl Write) -> Result<(), Fa
     let most = count.max(decisions.len());
     writeln!(
         out,
-        "{same} of {most} decisions are those of the recorded drive"
+        "{same} of {most} decisions are the same as in the recorded drive"
     )?;
     match same == most {
         true => Ok(()),
@@ -161,7 +163,7 @@ fn repeat(mut driver: Driver, bag: &Path, out: &mut impl Write) -> Result<(), Fa
 
 fn print_faults(faults: &[Fault], out: &mut impl Write) -> Result<(), Failure> {
     match faults {
-        [] => writeln!(out, "     no fault: goes on")?,
+        [] => writeln!(out, "     no fault: continues")?,
         _ => {
             for fault in faults {
                 writeln!(out, "     stops: {fault}")?;
@@ -171,7 +173,7 @@ fn print_faults(faults: &[Fault], out: &mut impl Write) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
-/// How a drive ended.
+/// Converts the end of a drive to the result of the command.
 #[cfg(feature = "ros2")]
 fn end(phase: xcscr::drive::Phase, faults: &[Fault], decisions: u32) -> Result<(), Failure> {
     use xcscr::drive::Phase;
@@ -180,7 +182,7 @@ fn end(phase: xcscr::drive::Phase, faults: &[Fault], decisions: u32) -> Result<(
     match (phase, lasting) {
         (_, Some(Fault::Interrupted)) => Err(Failure::new(
             Exit::Interrupted,
-            "interrupted; the robot stands",
+            "interrupted; the robot is at rest",
         )),
         (_, Some(fault)) => Err(Failure::new(Exit::Refuted, fault.to_string())),
         (Phase::AtGoal, None) => Ok(()),
@@ -208,7 +210,7 @@ fn drive(
     let now_ns = since.map_or(0, |since| since.as_nanos() as u64);
     let bag = DriveBag::create(file, replace, setup.maze(), now_ns)?;
     let interrupt = Interrupt::notice()?;
-    // What cannot be printed must not stop the robot in the middle of a way: it is lost.
+    // A failure to print must not stop the robot between two cells, so errors are ignored.
     let mut report = |report: DriveReport<'_>| {
         let _ = match report {
             DriveReport::Faults(faults) => print_faults(faults, out),
@@ -230,7 +232,7 @@ fn drive(
     let latency = summary.latency;
     writeln!(
         out,
-        "{} decisions; from scan to command, of {} scans: median {:.2} ms, p99 {:.2} ms, at most {:.2} ms",
+        "{} decisions; latency from scan to command, {} scans: median {:.2} ms, p99 {:.2} ms, max {:.2} ms",
         summary.decisions, latency.count, latency.median_ms, latency.p99_ms, latency.most_ms
     )?;
     end(summary.phase, &summary.faults, summary.decisions)

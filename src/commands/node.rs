@@ -2,19 +2,19 @@
 
 use xcscr::drive::NodeOptions;
 
-/// Where a node lives.
+/// The namespace and domain of a node.
 #[derive(Debug, clap::Args)]
 pub struct NodeArgs {
-    /// The namespace of the topics, such as /tb3. /clock is in no namespace.
+    /// Namespace of the topics, such as /tb3. /clock has no namespace.
     #[arg(long, value_name = "N", default_value = "/")]
     namespace: String,
-    /// The DDS domain [default: ROS_DOMAIN_ID, or 0].
+    /// DDS domain [default: ROS_DOMAIN_ID, or 0].
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u16).range(0..=232))]
     domain: Option<u16>,
 }
 
 impl NodeArgs {
-    /// The options of the node.
+    /// Returns the options of the node.
     pub fn options(&self) -> NodeOptions {
         let of_environment = || std::env::var("ROS_DOMAIN_ID").ok()?.parse().ok();
         let namespace = self.namespace.trim_matches('/');
@@ -25,7 +25,7 @@ impl NodeArgs {
     }
 }
 
-/// Parses a pose: x and y in metres and the heading in radians, with commas between them.
+/// Parses a pose: x and y in metres and the heading in radians, separated by commas.
 pub fn pose(text: &str) -> Result<[f64; 3], String> {
     let fault = || "a pose is x,y,yaw: two lengths in metres and an angle in radians".to_owned();
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
@@ -39,7 +39,7 @@ pub fn pose(text: &str) -> Result<[f64; 3], String> {
     }
 }
 
-/// The failure of a build that has no ROS 2.
+/// Returns the failure of a build without ROS 2.
 #[cfg(not(feature = "ros2"))]
 pub fn missing() -> super::failure::Failure {
     let message = "this build has no ROS 2: build it with `cargo build --features ros2`";

@@ -10,7 +10,7 @@ use super::choices::{self, SettingsArgs};
 use super::failure::{Exit, Failure};
 use super::node::{self, NodeArgs};
 
-/// Simulated steps in a second.
+/// Simulated steps per second.
 const STEPS_PER_S: f64 = 20.0;
 
 /// Arguments of `simulate`.
@@ -18,19 +18,20 @@ const STEPS_PER_S: f64 = 20.0;
 pub struct SimulateArgs {
     /// The maze: a world file, or the name of a bundled world.
     world: PathBuf,
-    /// Be a ROS 2 node (needs a build with `--features ros2`).
+    /// Run as a ROS 2 node (needs a build with `--features ros2`).
     #[arg(long, required = true)]
     ros2: bool,
-    /// How many times as fast as real time the robot runs.
+    /// Speed as a multiple of real time.
     #[arg(long, value_name = "F", default_value = "1", value_parser = factor)]
     realtime_factor: f64,
-    /// Where the robot stands, in the map frame: x and y in metres, and the heading in radians [default: the start cell].
+    /// Start pose in the map frame: x and y in metres, heading in radians [default: the start
+    /// cell].
     #[arg(long, value_name = "X,Y,YAW", value_parser = node::pose, allow_hyphen_values = true)]
     start: Option<[f64; 3]>,
-    /// Seed of the noise of wheels and sensors.
+    /// Seed of the wheel and sensor noise.
     #[arg(long, value_name = "S", default_value = "1", value_parser = choices::seed)]
     seed: u64,
-    /// End after so many simulated seconds.
+    /// Stop after this many simulated seconds.
     #[arg(long, value_name = "N")]
     seconds: Option<u32>,
     #[command(flatten)]
@@ -74,7 +75,7 @@ fn simulate(
     let interrupt = Interrupt::notice()?;
     let (name, node) = (maze.name(), &options.node);
     say(&format!(
-        "A robot in {name}: domain {}, namespace {}; drive it on cmd_vel; Ctrl-C ends it.",
+        "Simulating a robot in {name}: domain {}, namespace {}. Commands: cmd_vel. Stop: Ctrl-C.",
         node.domain, node.namespace
     ));
     xcscr::ros2::simulate(maze, robot, options, &|| interrupt.came())

@@ -1,4 +1,4 @@
-//! The state machine that drives a robot by a policy.
+//! The state machine that drives a robot with a policy.
 
 use nalgebra::{Isometry2, Matrix3};
 use xcscr_sensing::Readings as StepOfSensors;
@@ -17,19 +17,19 @@ use crate::world::{Cell, Maze};
 use xcs::random::Stream;
 use xcs::{Action, Condition, Percept, PredictionArray};
 
-/// The lidar turns round so many times before the first decision.
+/// The number of lidar turns before the first decision.
 const TURNS_BEFORE_START: f64 = 2.0;
 
-/// Where the robot is estimated to be.
+/// The estimated position of the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Belief {
     /// The time of the newest odometry, in nanoseconds of the robot's clock.
     pub stamp_ns: u64,
-    /// The robot in the map frame, in metres.
+    /// The pose of the robot in the map frame, in metres.
     pub robot_in_map: Isometry2<f64>,
     /// The covariance of x, y (metres) and heading (radians) in the map frame.
     pub covariance: Matrix3<f64>,
-    /// The frame of odometry in the map frame.
+    /// The pose of the odometry frame in the map frame.
     pub odom_in_map: Isometry2<f64>,
     /// The cell; `None` outside of the maze.
     pub cell: Option<Cell>,
@@ -38,59 +38,59 @@ pub struct Belief {
 /// A decision of the policy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decision {
-    /// Its number, from 1.
+    /// The number of the decision, from 1.
     pub number: u32,
-    /// When, in nanoseconds of the robot's clock.
+    /// The time, in nanoseconds of the robot's clock.
     pub stamp_ns: u64,
     /// The estimated cell.
     pub cell: Cell,
-    /// What was perceived.
+    /// The percept.
     pub percept: Percept,
     /// The value of each action.
     pub values: PredictionArray,
     /// The chosen action.
     pub action: Action,
-    /// The condition of the rule that weighs most; `None` where no rule decided.
+    /// The condition of the rule with the largest weight; `None` if no rule decided.
     pub rule: Option<Condition>,
-    /// The decision and its reason, in words.
+    /// The decision and its reason as text.
     pub words: String,
 }
 
-/// How far the drive is.
+/// The phase of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
-    /// Waits for the first scan and odometry.
+    /// Waiting for the first scan and odometry.
     Waiting,
-    /// At rest, until the lidar has turned round.
+    /// At rest for the first lidar turns.
     LookingRound,
-    /// On the way to another cell.
+    /// Driving to another cell.
     Driving,
-    /// At rest, until the onboard computer has seen where it arrived.
+    /// At rest, until the onboard computer has processed the readings of the arrival.
     Settling,
     /// In a goal cell. The drive is over.
     AtGoal,
-    /// As many decisions as the step threshold allows. The drive is over.
+    /// The step threshold is reached. The drive is over.
     OutOfSteps,
 }
 
-/// What a step of the driver gives.
+/// The result of a driver step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriverStep {
-    /// The speeds for the robot: rest whenever there is a fault.
+    /// The commanded speeds; rest if there is a fault.
     pub command: Speeds,
-    /// What is wrong; empty when all is well.
+    /// The current faults; empty if there are none.
     pub faults: Vec<Fault>,
-    /// How far the drive is.
+    /// The phase of the drive.
     pub phase: Phase,
-    /// The estimate; `None` before the first readings.
+    /// The estimated position; `None` before the first readings.
     pub belief: Option<Belief>,
-    /// The decision of this step; `None` in most steps.
+    /// The decision made in this step; `None` in most steps.
     pub decision: Option<Decision>,
-    /// What came of the last action, where it ended in this step.
+    /// The outcome of the last action, if the action ended in this step.
     pub outcome: Option<Outcome>,
 }
 
-/// Drives a robot by a policy: sensor readings in, commands out. It knows nothing of ROS.
+/// Drives a robot with a policy: sensor readings in, commands out. Independent of ROS.
 pub struct Driver {
     setup: DriveSetup,
     watch: Watch,
@@ -101,19 +101,19 @@ pub struct Driver {
     policy: Frozen,
     greedy: Explorer,
     phase: Phase,
-    /// When the phase began or is over, in nanoseconds of the robot's clock.
+    /// The start and the end of the phase, in nanoseconds of the robot's clock.
     since_ns: u64,
     until_ns: u64,
     timed_out: bool,
     decisions: u32,
     action: Option<Action>,
     has_scan: bool,
-    /// A fault that lasts.
+    /// The first final fault.
     last_fault: Option<Fault>,
 }
 
 impl Driver {
-    /// A driver of a robot that stands where the setup says.
+    /// Creates a driver for a robot at the start pose of the setup.
     pub fn new(setup: DriveSetup) -> Self {
         let (physics, maze) = (&setup.physics, &setup.maze);
         Self {
@@ -140,19 +140,20 @@ impl Driver {
         }
     }
 
-    /// The maze where the robot drives.
+    /// Returns the maze of the drive.
     pub fn maze(&self) -> &Maze {
         &self.setup.maze
     }
 
-    /// Holds the robot at rest from now on.
+    /// Keeps the robot at rest from now on.
     pub fn interrupt(&mut self) {
         self.last_fault.get_or_insert(Fault::Interrupted);
     }
 
-    /// Takes in what arrived until `steady_ns`, a clock in nanoseconds that never jumps, and decides what the robot does now.
+    /// Processes the readings that arrived until `steady_ns` and returns the command. `steady_ns`
+    /// is a clock in nanoseconds that never jumps.
     ///
-    /// Call it when readings arrive, and at least every 50 ms.
+    /// Call this when readings arrive, and at least every 50 ms.
     pub fn step(&mut self, steady_ns: u64, readings: &Readings) -> DriverStep {
         let watched = self.watch.step(steady_ns, readings);
         self.take_in(&watched);
@@ -183,7 +184,7 @@ impl Driver {
         step
     }
 
-    /// Brings readings to the onboard computer, and checks what it makes of them.
+    /// Passes readings to the onboard computer, and checks its estimates.
     fn take_in(&mut self, watched: &Watched<'_>) {
         for odometry in &watched.odometry {
             self.timeline.add_odometry(odometry);
@@ -227,7 +228,7 @@ impl Driver {
         }
     }
 
-    /// Begins once there is a scan and odometry.
+    /// Starts the drive once a scan and odometry have arrived.
     fn begin(&mut self) {
         let Some((time_ns, ..)) = self.timeline.latest().filter(|_| self.has_scan) else {
             return;
@@ -243,7 +244,7 @@ impl Driver {
         (1e9 / self.setup.physics.lidar.rate_hz) as u64
     }
 
-    /// The pose of now in the grid frame, the speeds, and the time of the newest odometry.
+    /// Returns the current pose in the grid frame, the speeds, and the time of the newest odometry.
     fn now(&self) -> Option<(Isometry2<f64>, Speeds, u64)> {
         let (time_ns, _, speeds) = self.timeline.latest()?;
         let pose = self.pilot.onboard().estimate().0 * self.timeline.since()?;
@@ -273,7 +274,7 @@ impl Driver {
         })
     }
 
-    /// Goes on while all is well.
+    /// Advances the state machine. Called only without faults.
     fn advance(&mut self, step: &mut DriverStep) {
         let Some((pose, speeds, time_ns)) = self.now() else {
             return;
@@ -294,7 +295,7 @@ impl Driver {
         }
     }
 
-    /// Perceives, chooses, and begins to drive.
+    /// Perceives, chooses an action, and starts to drive.
     fn decide(&mut self, step: &mut DriverStep) {
         let maze = &self.setup.maze;
         let perceived = self.pilot.percept(maze, self.setup.sensor);
@@ -327,11 +328,11 @@ impl Driver {
         }
     }
 
-    /// The speeds on the way; rest once it is over.
+    /// Returns the speeds of the current manoeuvre; rest once it is over.
     fn drive(&mut self, pose: Isometry2<f64>, speeds: Speeds, time_ns: u64) -> Speeds {
         let passed_ns = time_ns.saturating_sub(self.since_ns);
         self.timed_out = passed_ns as f64 > self.setup.physics.time_out_s * 1e9;
-        if let Some(way) = self.pilot.way(pose)
+        if let Some(direction) = self.pilot.travel_direction(pose)
             && let Some((_, in_odom, _)) = self.timeline.latest()
         {
             let physics = &self.setup.physics;
@@ -340,10 +341,10 @@ impl Driver {
                 deceleration_mps2: physics.deceleration_mps2,
                 margin_m: physics.arrival_m,
             };
-            let along = pose.rotation.inverse() * way;
+            let along = pose.rotation.inverse() * direction;
             let forward_mps = speeds.forward_mps;
             let obstacles = &self.obstacles;
-            if obstacles.is_in_the_way(&in_odom, along, forward_mps, braking) {
+            if obstacles.is_in_the_path(&in_odom, along, forward_mps, braking) {
                 self.pilot.back_off();
             }
         }
@@ -351,7 +352,7 @@ impl Driver {
         match command.filter(|_| !self.timed_out) {
             Some(command) => command,
             None => {
-                // The lidar must have turned round since the action began.
+                // The lidar must have completed a turn since the action began.
                 self.until_ns = time_ns.max(self.since_ns + self.turn_ns());
                 self.phase = Phase::Settling;
                 Speeds::default()
@@ -359,7 +360,7 @@ impl Driver {
         }
     }
 
-    /// Says what came of the action, and decides again unless the drive is over.
+    /// Determines the outcome of the action, and decides again unless the drive is over.
     fn end_action(&mut self, step: &mut DriverStep) {
         let end = self.pilot.end();
         let is_goal = |cell| self.setup.maze.is_goal(cell);

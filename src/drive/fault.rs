@@ -1,75 +1,76 @@
-//! What makes the driver stop.
+//! Faults that make the driver stop.
 
 use std::fmt;
 
-/// Why the driver holds the robot at rest.
+/// The reason why the driver keeps the robot at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Fault {
-    /// No scan for so many seconds.
+    /// No scan for this many seconds.
     NoScans(f64),
-    /// No odometry for so many seconds.
+    /// No odometry for this many seconds.
     NoOdometry(f64),
-    /// Simulated time stands still for so many seconds.
+    /// Simulated time has stood still for this many seconds.
     NoClock(f64),
-    /// The stamps of a topic jumped by so many seconds. Final.
+    /// The stamps of a topic jumped. Final.
     ClockJumped {
         /// The topic.
         topic: &'static str,
-        /// By how much; negative when time went backward.
+        /// The jump in seconds; negative if time went backward.
         by_s: f64,
     },
-    /// A scan is so many seconds older than odometry, or newer.
+    /// A scan is this many seconds newer than odometry, or older if negative.
     ClocksDisagree(f64),
-    /// This share of a scan is not a number, or it has no ranges.
+    /// This share of a scan's ranges is not a number, or the scan has no ranges.
     InvalidRanges(f64),
     /// A pose or a speed is not a number.
     InvalidOdometry,
-    /// A message has another frame than expected.
+    /// A message has an unexpected frame.
     WrongFrame {
         /// The topic.
         topic: &'static str,
-        /// Its frame.
+        /// The frame of the message.
         found: String,
-        /// The frame that was expected.
+        /// The expected frame.
         expected: String,
     },
-    /// The lidar is not the one that the policy was trained with.
+    /// The lidar differs from the one the policy was trained with.
     WrongLidar {
-        /// What differs.
+        /// The property that differs.
         what: &'static str,
-        /// What the scan says.
+        /// The value in the scan.
         found: f64,
-        /// What the robot's profile says.
+        /// The value in the robot's profile.
         expected: f64,
     },
-    /// A peer on a topic cannot be heard, or cannot hear.
+    /// A publisher or subscriber of a topic is incompatible with the driver.
     WrongQos {
         /// The topic.
         topic: String,
-        /// What does not fit.
+        /// What is incompatible.
         cause: String,
     },
-    /// So many other nodes publish commands.
+    /// The number of other nodes that publish commands.
     OtherPublisher(usize),
-    /// The robot is not where it is estimated to be. Final.
+    /// The robot is not at its estimated position. Final.
     Mislocalised(Mislocalised),
-    /// Somebody asked for the end. Final.
+    /// The caller requested the end. Final.
     Interrupted,
 }
 
-/// What shows that the estimate is wrong.
+/// The evidence that the estimate is wrong.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Mislocalised {
-    /// The deviation of the estimated position in metres is more than a quarter of a cell.
+    /// The standard deviation of the position in metres, which exceeds a quarter of a cell.
     Unsure(f64),
     /// The estimated cell is a wall, or outside of the maze.
     InAWall,
-    /// This share of the beams ends elsewhere than the walls of the maze say.
+    /// The share of beams that do not end at the walls of the maze.
     ScanDisagrees(f64),
 }
 
 impl Fault {
-    /// Does it last until the driver is started again? Otherwise the robot goes on once the fault is over.
+    /// Returns true if the fault lasts until the driver is restarted. Otherwise the robot continues
+    /// once the fault is over.
     pub fn is_final(&self) -> bool {
         match self {
             Self::ClockJumped { .. } | Self::Mislocalised(_) | Self::Interrupted => true,
@@ -86,7 +87,7 @@ impl Fault {
         }
     }
 
-    /// A short name, the same for all faults of a kind.
+    /// Returns a short name, the same for all faults of a kind.
     pub fn name(&self) -> &'static str {
         match self {
             Self::NoScans(_) => "no-scans",
@@ -115,12 +116,12 @@ impl fmt::Display for Fault {
             Self::ClockJumped { topic, by_s } => {
                 write!(
                     to,
-                    "the stamps of {topic} jumped by {by_s:.3} s; start again"
+                    "the stamps of {topic} jumped by {by_s:.3} s; restart the driver"
                 )
             }
             Self::ClocksDisagree(by_s) => write!(
                 to,
-                "the stamps of /scan are {by_s:.2} s off those of /odom; set the clocks"
+                "the stamps of /scan are {by_s:.2} s off the stamps of /odom; synchronise the clocks"
             ),
             Self::InvalidRanges(share) => write!(
                 to,
@@ -150,11 +151,11 @@ impl fmt::Display for Fault {
                     "{topic} has an incompatible quality of service: {cause}"
                 )
             }
-            Self::OtherPublisher(1) => write!(to, "another node publishes on /cmd_vel; end it"),
+            Self::OtherPublisher(1) => write!(to, "another node publishes on /cmd_vel; stop it"),
             Self::OtherPublisher(count) => {
-                write!(to, "{count} other nodes publish on /cmd_vel; end them")
+                write!(to, "{count} other nodes publish on /cmd_vel; stop them")
             }
-            Self::Mislocalised(cause) => write!(to, "mislocalised: {cause}; start again"),
+            Self::Mislocalised(cause) => write!(to, "mislocalised: {cause}; restart the driver"),
             Self::Interrupted => write!(to, "interrupted"),
         }
     }
@@ -164,7 +165,7 @@ impl fmt::Display for Mislocalised {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unsure(deviation_m) => {
-                write!(to, "the position is known to {deviation_m:.2} m only")
+                write!(to, "the position is uncertain by {deviation_m:.2} m")
             }
             Self::InAWall => write!(to, "the estimated cell is a wall or outside of the maze"),
             Self::ScanDisagrees(share) => write!(

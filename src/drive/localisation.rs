@@ -1,6 +1,7 @@
-//! Checks whether the robot is where it estimates to be.
+//! Checks the estimated position against the maze.
 //!
-//! The filter knows no walls, so it can be off by a whole cell. The driver knows the maze, and compares.
+//! The filter does not know the walls, so its estimate can be off by a whole cell. The driver knows
+//! the maze and compares.
 
 use nalgebra::{Isometry2, Matrix3, UnitComplex, Vector2};
 use xcscr_sensing::{Return, cast};
@@ -8,19 +9,20 @@ use xcscr_sensing::{Return, cast};
 use super::fault::Mislocalised;
 use crate::world::Maze;
 
-/// The largest deviation of the position, as a share of a cell.
+/// The maximum standard deviation of the position, as a share of a cell.
 const UNSURE: f64 = 0.25;
-/// A beam disagrees when it ends farther than this from the wall: as a share of a cell, and as a share of the range.
+/// A beam disagrees if it ends farther than this from the wall: a share of a cell plus a share of
+/// the range.
 const OFF_CELL: f64 = 0.2;
 const OFF_RANGE: f64 = 0.05;
-/// The share of disagreeing beams of a turn that is too much, ...
+/// The share of disagreeing beams that makes a turn bad.
 const DISAGREEING: f64 = 0.4;
-/// ... in this number of turns, one after the other.
+/// The number of consecutive bad turns that is a fault.
 const TURNS: u32 = 2;
-/// The most beams of a turn that are compared.
+/// The maximum number of compared beams per turn.
 const COMPARED: usize = 64;
 
-/// Compares beams with the walls of a maze, turn by turn.
+/// Compares beams with the walls of a maze, one lidar turn at a time.
 #[derive(Debug, Clone)]
 pub struct Localisation {
     /// Every n-th beam is compared.
@@ -33,7 +35,7 @@ pub struct Localisation {
 }
 
 impl Localisation {
-    /// A check for a lidar with this number of beams a turn.
+    /// Creates a check for a lidar with this number of beams per turn.
     pub fn new(beams: u32) -> Self {
         let beams = beams as usize;
         Self {
@@ -46,8 +48,8 @@ impl Localisation {
         }
     }
 
-    /// Compares the beams of a step of the onboard computer, at whose end the robot is estimated at `pose` in the grid frame.
-    /// `moved` is the motion of the step.
+    /// Compares the beams of a step of the onboard computer. `pose` is the estimate at the end of
+    /// the step in the grid frame, and `moved` the motion during the step.
     pub fn step(
         &mut self,
         maze: &Maze,
@@ -58,7 +60,7 @@ impl Localisation {
     ) -> Option<Mislocalised> {
         let before = pose * moved.inverse();
         let turned_rad = moved.rotation.angle();
-        let way = pose.translation.vector - before.translation.vector;
+        let path = pose.translation.vector - before.translation.vector;
         for beam in beams {
             self.seen += 1;
             let Some(range_m) = beam.range_m.filter(|range_m| *range_m > 0.0) else {
@@ -67,7 +69,7 @@ impl Localisation {
             if !(beam.number as usize).is_multiple_of(self.every) {
                 continue;
             }
-            let origin = before.translation.vector + beam.moment * way;
+            let origin = before.translation.vector + beam.moment * path;
             let heading = before.rotation * UnitComplex::new(beam.moment * turned_rad);
             let direction = (heading * beam.bearing) * Vector2::x();
             let wall_m = cast(maze, origin, direction, range_max_m).unwrap_or(range_max_m);
@@ -93,7 +95,7 @@ impl Localisation {
     }
 }
 
-/// Checks an estimate by itself: a pose in the grid frame and its covariance.
+/// Checks an estimate on its own: a pose in the grid frame and its covariance.
 pub fn check(
     maze: &Maze,
     pose: &Isometry2<f64>,

@@ -1,4 +1,4 @@
-//! Drives a robot that is not simulated here by a learned policy: messages in, commands out.
+//! Drives a robot with a learned policy: messages in, commands out.
 //!
 //! ```text
 //!  Readings ─▶ Watch ─▶ Timeline ─▶ Pilot (onboard computer, controller) ─▶ policy ─▶ command
@@ -6,12 +6,13 @@
 //!                                       Localisation (faults)
 //! ```
 //!
-//! [`Driver`] is a state machine without ROS, threads or clocks: the caller brings readings and a steady time. Any [`Fault`]
-//! makes it command rest in the same step. [`SimulatedRobot`] is the other side: the physics arena as a robot that is known
-//! only by its messages. The feature `ros2` connects both to ROS 2.
+//! [`Driver`] is a state machine without ROS, threads or clocks. The caller provides readings and a
+//! steady time. Any [`Fault`] makes the driver command rest in the same step. [`SimulatedRobot`] is
+//! the counterpart: the physics arena as a robot that is reached only through messages. The feature
+//! `ros2` connects both to ROS 2.
 //!
-//! The robot moves from cell to cell: it drives, rests until its lidar has turned round, and decides. Units and frames are those
-//! of REP 103 and REP 105: metres, radians, seconds; `map`, `odom` and `base_link`.
+//! The robot moves from cell to cell: it drives, rests for one lidar turn, and decides. Units and
+//! frames follow REP 103 and REP 105: metres, radians, seconds; `map`, `odom` and `base_link`.
 
 mod driver;
 mod fault;

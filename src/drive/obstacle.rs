@@ -1,36 +1,36 @@
-//! Looks for something in the robot's way: a bumper that does not touch.
+//! Detects obstacles in the robot's path from scans, like a contactless bumper.
 
 use nalgebra::{Isometry2, Point2, Vector2};
 
 use super::readings::Scan;
 use super::timeline::{Timeline, beam_time_ns};
 
-/// One beam may be wrong: so many must end in the way.
+/// The number of beams that must end in the path, because a single beam may be wrong.
 const ENOUGH: usize = 2;
-/// The way is narrower than the robot by this share, because ranges have noise.
+/// The width of the path as a share of the robot's width. It is below 1 because ranges are noisy.
 const NARROWER: f64 = 0.9;
-/// How long a command takes to have an effect, in seconds.
+/// The delay until a command takes effect, in seconds.
 const DELAY_S: f64 = 0.1;
 
-/// Where the beams of the last scan ended, in the frame of odometry.
+/// The end points of the beams of the last scan, in the odometry frame.
 #[derive(Debug, Clone, Default)]
 pub struct Obstacles {
     points: Vec<Point2<f64>>,
 }
 
-/// What the robot needs to stop.
+/// The robot's braking parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct Braking {
     /// The radius of the robot in metres.
     pub radius_m: f64,
-    /// Its deceleration in m/s^2.
+    /// The deceleration in m/s^2.
     pub deceleration_mps2: f64,
-    /// The distance that must be left in metres.
+    /// The remaining distance to keep, in metres.
     pub margin_m: f64,
 }
 
 impl Obstacles {
-    /// Keeps where the beams of a scan end.
+    /// Stores the end points of a scan's beams.
     pub fn see(&mut self, scan: &Scan, timeline: &Timeline, laser_in_base: &Isometry2<f64>) {
         self.points.clear();
         for (number, &range_m) in scan.ranges_m.iter().enumerate() {
@@ -49,9 +49,10 @@ impl Obstacles {
         }
     }
 
-    /// Is something so near that the robot must brake now? The robot is at `pose` in the frame of odometry, and drives with
-    /// `speed_mps` along the unit vector `along` of its own frame.
-    pub fn is_in_the_way(
+    /// Returns true if an obstacle is so near that the robot must brake now. The robot is at `pose`
+    /// in the odometry frame, and drives at `speed_mps` along the unit vector `along` of its own
+    /// frame.
+    pub fn is_in_the_path(
         &self,
         pose: &Isometry2<f64>,
         along: Vector2<f64>,

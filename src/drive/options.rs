@@ -1,34 +1,34 @@
-//! Options of the ROS 2 nodes that the feature `ros2` makes of the driver and the simulated robot.
+//! Options of the ROS 2 nodes (feature `ros2`) for the driver and the simulated robot.
 
-/// Where a node lives.
+/// The namespace and domain of a node.
 #[derive(Debug, Clone)]
 pub struct NodeOptions {
-    /// The namespace of its topics, such as `/tb3`; `/` for none. `/clock` is in no namespace.
+    /// The namespace of the node's topics, such as `/tb3`; `/` for none. `/clock` has no namespace.
     pub namespace: String,
     /// The DDS domain, 0 to 232 (`ROS_DOMAIN_ID`).
     pub domain: u16,
 }
 
-/// How the driver runs.
+/// Options of the driver node.
 #[derive(Debug, Clone)]
 pub struct DriverOptions {
     /// The node.
     pub node: NodeOptions,
-    /// Is the robot's time that of `/clock`?
+    /// Take the robot's time from `/clock`.
     pub sim_time: bool,
-    /// Does the robot want `TwistStamped` on `/cmd_vel`, and not `Twist`?
+    /// Publish `TwistStamped` on `/cmd_vel` instead of `Twist`.
     pub stamped: bool,
-    /// Decides, but publishes nothing on `/cmd_vel`.
+    /// Decide, but publish nothing on `/cmd_vel`.
     pub dry_run: bool,
 }
 
-/// How the simulated robot runs.
+/// Options of the simulated robot node.
 #[derive(Debug, Clone)]
 pub struct SimulateOptions {
     /// The node.
     pub node: NodeOptions,
-    /// How many times as fast as real time it runs.
+    /// The speed as a multiple of real time.
     pub realtime_factor: f64,
-    /// It ends after so many steps of 50 ms; `None` for no end of its own.
+    /// The number of steps of 50 ms after which the node ends; `None` for no limit.
     pub steps: Option<u64>,
 }

@@ -1,10 +1,10 @@
-//! Why an action was chosen, in words.
+//! Explanations of decisions.
 
 use super::driver::Decision;
 use super::setup::DriveSetup;
 use crate::agent::Frozen;
 
-/// Adds the rule that weighs most, and the decision in words.
+/// Adds the rule with the largest weight and a text that explains the decision.
 pub fn explain(decision: &mut Decision, setup: &DriveSetup, policy: &Frozen) {
     decision.rule = policy.decisive_rule(decision.action);
     let (maze, knowledge) = (&setup.maze, &setup.knowledge);

@@ -1,4 +1,4 @@
-//! What a drive needs, checked before anything moves.
+//! The setup of a drive, checked before anything moves.
 
 use nalgebra::{Isometry2, Vector2};
 use serde_json::Value;
@@ -10,7 +10,7 @@ use crate::sensor::Sensor;
 use crate::trial::{Plan, RobotProfile, SettingsError};
 use crate::world::{Maze, Moves};
 
-/// A policy, the robot that it drives, and where that stands.
+/// A policy, the robot it drives, and the robot's pose.
 #[derive(Debug, Clone)]
 pub struct DriveSetup {
     pub(super) maze: Maze,
@@ -24,23 +24,23 @@ pub struct DriveSetup {
     pub(super) frames: Frames,
 }
 
-/// Where a drive differs from the run whose policy it uses.
+/// Differences between a drive and the run whose policy it uses.
 #[derive(Debug, Clone, Default)]
 pub struct DriveOptions {
-    /// The robot that is driven; `None` for the robot of the run.
+    /// The robot; `None` for the robot of the run.
     pub robot: Option<RobotProfile>,
-    /// The maze where it stands; `None` for that of the run.
+    /// The maze; `None` for the maze of the run.
     pub world: Option<Maze>,
-    /// Where it stands in the map frame: x and y in metres, and the heading in radians. `None` for the middle of the start cell,
-    /// heading along the rows of the maze.
+    /// The start pose in the map frame: x and y in metres, and the heading in radians. `None` for
+    /// the middle of the start cell, heading along the rows of the maze.
     pub start: Option<[f64; 3]>,
-    /// The lidar on the robot: x and y in metres, and the heading in radians.
+    /// The pose of the lidar on the robot: x and y in metres, and the heading in radians.
     pub laser: [f64; 3],
-    /// The frames that messages must have.
+    /// The expected frames of messages.
     pub frames: Frames,
 }
 
-/// Why a drive is refused.
+/// Errors in the setup of a drive.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
     /// The policy was trained with another robot.
@@ -49,7 +49,7 @@ pub enum Refusal {
          with `--robot {robot}`"
     )]
     OtherRobot {
-        /// The robot that is to be driven.
+        /// The robot of the drive.
         robot: String,
         /// The first setting that differs.
         setting: String,
@@ -58,30 +58,30 @@ pub enum Refusal {
         /// Its value in the profile.
         found: String,
     },
-    /// The policy was trained in cells of another size.
+    /// The policy was trained with another cell size.
     #[error(
-        "the policy was trained in cells of {trained_m} m, but those of {world} have {found_m} m; train it in {world}"
+        "the policy was trained in cells of {trained_m} m, but {world} has cells of {found_m} m; train it in {world}"
     )]
     OtherCells {
-        /// The world that is to be driven in.
+        /// The world of the drive.
         world: String,
-        /// The cells of the run, in metres.
+        /// The cell size of the run, in metres.
         trained_m: f64,
-        /// The cells of the world, in metres.
+        /// The cell size of the world, in metres.
         found_m: f64,
     },
-    /// The policy was trained on the grid, and no robot was named.
+    /// The policy was trained on the grid, and no robot was given.
     #[error("the policy was trained on the grid; name the robot with `--robot`")]
     NoRobot,
-    /// The percept is looked up in the maze.
+    /// The percept is computed from the maze.
     #[error(
-        "the percept `{0}` is looked up in the maze, which no robot can; train with `--sensor lidar` or `lidar-position`"
+        "the percept `{0}` is ground truth, which no robot can sense; train with `--sensor lidar` or `lidar-position`"
     )]
     Privileged(&'static str),
     /// The robot has no lidar.
     #[error("the robot has no lidar (`physics.lidar.fitted`)")]
     NoLidar,
-    /// The robot cannot move like this.
+    /// A robot cannot make the moves of the world.
     #[error("{0} has eight moves or joined edges, which a robot cannot drive")]
     Moves(String),
     /// The start is not in a free cell.
@@ -89,16 +89,16 @@ pub enum Refusal {
         "the start {0:?} is not in a free cell of the maze, or in a goal; pass `--start x,y,yaw` in the map frame"
     )]
     Start([f64; 3]),
-    /// A world that has no fixed start needs one.
+    /// The world has no fixed start, and no start pose was given.
     #[error("the world has no fixed start cell; pass `--start x,y,yaw` in the map frame")]
     NoStart,
-    /// What was learned does not fit the percept or the actions.
+    /// The learned policy does not fit the percept or the actions.
     #[error(transparent)]
     Misfit(#[from] Misfit),
     /// The robot does not fit into the maze, or a setting is out of range.
     #[error(transparent)]
     Physics(#[from] PhysicsError),
-    /// A setting of the robot's profile is wrong.
+    /// A setting of the robot's profile is invalid.
     #[error(transparent)]
     Settings(#[from] SettingsError),
 }
@@ -107,7 +107,8 @@ impl DriveSetup {
     /// Checks that a policy can drive a robot.
     ///
     /// # Errors
-    /// A policy for another robot or another size of cells, a percept that no robot has, and a start in a wall.
+    /// Returns an error if the policy is for another robot or cell size, if no robot can sense the
+    /// percept, or if the start is in a wall.
     pub fn new(plan: &Plan, knowledge: &Knowledge, options: DriveOptions) -> Result<Self, Refusal> {
         let config = &plan.config;
         let physics = robot(plan, options.robot.as_ref())?;
@@ -144,18 +145,18 @@ impl DriveSetup {
         })
     }
 
-    /// The maze where the robot drives.
+    /// Returns the maze of the drive.
     pub fn maze(&self) -> &Maze {
         &self.maze
     }
 
-    /// The robot.
+    /// Returns the settings of the robot.
     pub fn physics(&self) -> &PhysicsParams {
         &self.physics
     }
 }
 
-/// The robot of a drive, which must be that of the run.
+/// Returns the robot of a drive, which must equal the robot of the run.
 fn robot(plan: &Plan, profile: Option<&RobotProfile>) -> Result<PhysicsParams, Refusal> {
     let settings = &plan.config.settings;
     let Some(profile) = profile else {
@@ -183,7 +184,7 @@ fn robot(plan: &Plan, profile: Option<&RobotProfile>) -> Result<PhysicsParams, R
     }
 }
 
-/// The first setting that differs, with both values.
+/// Returns the first setting that differs, with both values.
 fn difference(key: &str, one: &Value, other: &Value) -> Option<(String, String, String)> {
     match (one, other) {
         (Value::Object(one), Value::Object(other)) => one.iter().find_map(|(name, value)| {
@@ -198,7 +199,7 @@ fn pose([x, y, yaw]: [f64; 3]) -> Isometry2<f64> {
     Isometry2::new(Vector2::new(x, y), yaw)
 }
 
-/// Where the robot stands, in the grid frame.
+/// Returns the start pose in the grid frame.
 fn start(maze: &Maze, given: Option<[f64; 3]>) -> Result<Isometry2<f64>, Refusal> {
     let Some(given) = given else {
         let cell = maze.start().ok_or(Refusal::NoStart)?;

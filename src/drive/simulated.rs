@@ -1,4 +1,4 @@
-//! The simulated robot as others see it: commands in, odometry, gyro and scans out.
+//! The simulated robot as seen from outside: commands in, odometry, gyro and scans out.
 
 use nalgebra::{Isometry2, Vector2};
 
@@ -8,38 +8,38 @@ use crate::arena::{PhysicsError, PhysicsParams, SensedDrive, Speeds};
 use crate::record::rolled;
 use crate::world::Maze;
 
-/// A command holds for so long, in nanoseconds of simulated time: then the robot stops.
+/// The duration of a command in nanoseconds of simulated time. The robot then stops.
 pub const COMMAND_NS: u64 = 500_000_000;
 
-/// What the robot reports after a step of 50 ms.
+/// The readings after a step of 50 ms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedReadings {
     /// Simulated time in nanoseconds.
     pub time_ns: u64,
-    /// Dead reckoning by its wheels alone.
+    /// Dead reckoning from the wheels alone.
     pub odometry: Odometry,
-    /// Its gyro; `None` of a robot without one.
+    /// The gyro reading; `None` for a robot without a gyro.
     pub imu: Option<Imu>,
-    /// The turn of the lidar that ended in this step.
+    /// The lidar turn that ended in this step.
     pub scan: Option<Scan>,
 }
 
-/// The physics arena as a robot that is driven by speeds.
+/// The physics arena as a robot that is controlled by speeds.
 pub struct SimulatedRobot {
     drive: SensedDrive,
     in_odom: Isometry2<f64>,
     command: Speeds,
     commanded_ns: Option<u64>,
-    /// The turn of the lidar under way: when its first beam was sent, and the ranges so far.
+    /// The current lidar turn: the time of its first beam, and the ranges so far.
     turn: Option<(u64, Vec<f64>)>,
 }
 
 impl SimulatedRobot {
-    /// A robot at rest at a pose of the map frame: x and y in metres and the heading in radians; `None` for the middle of the
-    /// start cell. All noise follows from `seed`.
+    /// Creates a robot at rest at a pose in the map frame: x and y in metres and the heading in
+    /// radians. `None` places it in the middle of the start cell. All noise derives from `seed`.
     ///
     /// # Errors
-    /// When a setting is out of range, or the world makes no sense in physics.
+    /// Returns an error if a setting is out of range, or the world is not valid in physics.
     pub fn new(
         maze: Maze,
         params: &PhysicsParams,
@@ -66,23 +66,23 @@ impl SimulatedRobot {
         })
     }
 
-    /// Takes a command, which holds for half a second of simulated time.
+    /// Sets the command, which is in effect for half a second of simulated time.
     pub fn command(&mut self, speeds: Speeds) {
         self.command = speeds;
         self.commanded_ns = Some(self.drive.time_ns());
     }
 
-    /// The true pose in the map frame, in metres.
+    /// Returns the true pose in the map frame, in metres.
     pub fn true_pose(&self) -> Isometry2<f64> {
         self.drive.view().now().robot_in_map
     }
 
-    /// Puts the robot somewhere else, at a pose of the grid frame, without telling it.
+    /// Moves the robot to a pose of the grid frame without any sensor reading.
     pub fn kidnap(&mut self, pose: Isometry2<f64>) {
         self.drive.put_down(pose);
     }
 
-    /// Does the robot stand in a goal cell?
+    /// Returns true if the robot is in a goal cell.
     pub fn is_at_goal(&self) -> bool {
         let view = self.drive.view();
         let at = view.now().robot_in_map.translation.vector.into();
@@ -90,13 +90,13 @@ impl SimulatedRobot {
         cell.is_some_and(|cell| view.maze.is_goal(cell))
     }
 
-    /// The impulses of the hits of the last step, added up, in newton-seconds.
+    /// Returns the total impulse of the collisions during the last step, in newton-seconds.
     pub fn impulse_ns(&self) -> f64 {
         let contacts = self.drive.view().contacts.iter();
         contacts.map(|contact| contact.impulse_ns).sum()
     }
 
-    /// Lets 50 ms pass.
+    /// Simulates 50 ms.
     pub fn step(&mut self) -> SimulatedReadings {
         let begin_ns = self.drive.time_ns();
         let is_fresh = |at_ns: u64| begin_ns - at_ns < COMMAND_NS;
@@ -130,7 +130,7 @@ impl SimulatedRobot {
                 ended = self.turn.take();
             }
         }
-        let rate = |way: f64| way / (STEP_NS as f64 * 1e-9);
+        let rate = |change: f64| change / (STEP_NS as f64 * 1e-9);
         self.in_odom *= moved;
         self.in_odom.rotation.renormalize();
         let time_ns = self.drive.time_ns();

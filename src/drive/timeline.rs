@@ -1,7 +1,8 @@
-//! Puts late scans and frequent odometry onto one time line, in the steps of the onboard computer.
+//! Merges late scans and frequent odometry into one timeline, in the steps of the onboard computer.
 //!
-//! A scan arrives when its turn is over, so its first beams are as old as a turn. The onboard computer takes them in when they
-//! were sent: it lags behind by up to a turn, and the motion since then is that of odometry ([`Timeline::since`]).
+//! A scan arrives at the end of its turn, so its first beams are one turn old. The onboard computer
+//! processes beams at the time they were sent. It therefore lags by up to one turn, and odometry
+//! provides the motion since then ([`Timeline::since`]).
 
 use std::collections::VecDeque;
 
@@ -13,24 +14,24 @@ use crate::arena::Speeds;
 
 /// A step of the onboard computer in nanoseconds.
 pub const STEP_NS: u64 = (STEP_S * 1e9) as u64;
-/// Over a longer gap between two readings of the gyro, its rate is not known.
+/// The longest gap between two gyro readings across which the turn rate is known.
 const GYRO_GAP_NS: u64 = 75_000_000;
-/// Without scans the onboard computer lags behind by at most so much.
+/// The maximum lag of the onboard computer without scans.
 const MOST_LAG_NS: u64 = 2_000_000_000;
 
-/// Where odometry was at one time.
+/// An odometry sample.
 #[derive(Debug, Clone, Copy)]
-struct Stand {
+struct OdometrySample {
     time_ns: u64,
     pose: Isometry2<f64>,
     speeds: Speeds,
-    /// The way along the heading since the beginning, in metres.
+    /// The distance travelled along the heading since the start, in metres.
     travel_m: f64,
-    /// The turn since the beginning, in radians.
+    /// The angle turned since the start, in radians.
     turned_rad: f64,
 }
 
-/// A beam that was not taken in yet.
+/// A beam that the onboard computer has not processed yet.
 #[derive(Debug, Clone, Copy)]
 struct Beam {
     time_ns: u64,
@@ -39,39 +40,40 @@ struct Beam {
     range_m: Option<f64>,
 }
 
-/// What the sensors read in one step.
+/// The sensor readings of one step.
 #[derive(Debug, Default)]
 pub struct StepReadings {
-    /// How far the left and the right wheel rolled, in metres.
+    /// The distances rolled by the left and the right wheel, in metres.
     pub rolled_m: [f64; 2],
-    /// How far the gyro turned, in radians; `None` without one.
+    /// The angle turned according to the gyro, in radians; `None` without a gyro reading.
     pub turned_rad: Option<f64>,
-    /// The beams in the order of time.
+    /// The beams in chronological order.
     pub beams: Vec<Return>,
 }
 
-/// Odometry, gyro and beams that the onboard computer has not taken in yet.
+/// Odometry, gyro and beams that the onboard computer has not processed yet.
 #[derive(Debug)]
 pub struct Timeline {
     wheel_base_m: f64,
     laser_in_base: Isometry2<f64>,
-    stands: VecDeque<Stand>,
-    /// Angles of the gyro: when, and how far it has turned.
+    samples: VecDeque<OdometrySample>,
+    /// The integrated gyro: the time, and the angle turned.
     gyro: VecDeque<(u64, f64)>,
     beams: VecDeque<Beam>,
-    /// Until when the onboard computer has taken everything in.
+    /// The time up to which the onboard computer has processed all readings.
     time_ns: u64,
-    /// No more beams will come from before.
+    /// No more beams will arrive from before this time.
     horizon_ns: u64,
 }
 
 impl Timeline {
-    /// An empty time line of a robot with such a distance between its wheels, in metres, and its lidar there.
+    /// Creates an empty timeline for a robot with this distance between its wheels, in metres, and
+    /// this lidar pose.
     pub fn new(wheel_base_m: f64, laser_in_base: Isometry2<f64>) -> Self {
         Self {
             wheel_base_m,
             laser_in_base,
-            stands: VecDeque::new(),
+            samples: VecDeque::new(),
             gyro: VecDeque::new(),
             beams: VecDeque::new(),
             time_ns: 0,
@@ -79,9 +81,9 @@ impl Timeline {
         }
     }
 
-    /// Adds odometry, which must be newer than the last one.
+    /// Adds odometry, which must be newer than all earlier odometry.
     pub fn add_odometry(&mut self, odometry: &Odometry) {
-        let last = self.stands.back();
+        let last = self.samples.back();
         let (travel_m, turned_rad) = last.map_or((0.0, 0.0), |last| {
             let moved = last.pose.inverse() * odometry.pose;
             let turned_rad = moved.rotation.angle();
@@ -94,7 +96,7 @@ impl Timeline {
             };
             (last.travel_m + arc * chord_m, last.turned_rad + turned_rad)
         });
-        self.stands.push_back(Stand {
+        self.samples.push_back(OdometrySample {
             time_ns: odometry.stamp_ns,
             pose: odometry.pose,
             speeds: odometry.speeds,
@@ -103,7 +105,7 @@ impl Timeline {
         });
     }
 
-    /// Adds a reading of the gyro; one that is no newer than the last one is dropped.
+    /// Adds a gyro reading. A reading that is not newer than the last one is dropped.
     pub fn add_imu(&mut self, imu: &Imu) {
         let angle_rad = match self.gyro.back() {
             Some(&(last_ns, _)) if imu.stamp_ns <= last_ns => return,
@@ -115,7 +117,7 @@ impl Timeline {
         self.gyro.push_back((imu.stamp_ns, angle_rad));
     }
 
-    /// Adds a turn of the lidar, which must be newer than the last one.
+    /// Adds a lidar turn, which must be newer than all earlier turns.
     pub fn add_scan(&mut self, scan: &Scan) {
         for (number, &range_m) in scan.ranges_m.iter().enumerate() {
             let (bearing, range_m) = self.beam(scan, number, range_m);
@@ -129,21 +131,22 @@ impl Timeline {
         let last_ns = beam_time_ns(scan, scan.ranges_m.len().saturating_sub(1));
         let apart_ns = (scan.time_increment_s * 1e9).round() as u64;
         let rest_ns = if apart_ns == 0 { STEP_NS } else { apart_ns };
-        // Rounding must not keep back the last step of a turn.
+        // A margin for rounding, so that the last step of a turn is not delayed.
         self.horizon_ns = last_ns + rest_ns + 1_000;
     }
 
-    /// The direction of a beam from the robot's heading, and its range from the robot's middle.
+    /// Returns the direction of a beam relative to the robot's heading, and its range from the
+    /// robot's centre.
     fn beam(&self, scan: &Scan, number: usize, range_m: f64) -> (UnitComplex<f64>, Option<f64>) {
         let angle_rad = scan.angle_min_rad + number as f64 * scan.angle_increment_rad;
         let (sine, cosine) = libm::sincos(angle_rad);
         let direction = self.laser_in_base.rotation * Vector2::new(cosine, sine);
         let bearing =
-            |way: Vector2<f64>| UnitComplex::new_normalize(nalgebra::Complex::new(way.x, way.y));
+            |v: Vector2<f64>| UnitComplex::new_normalize(nalgebra::Complex::new(v.x, v.y));
         if range_m == f64::NEG_INFINITY || (range_m < scan.range_min_m && range_m >= 0.0) {
             return (bearing(direction), Some(f64::NEG_INFINITY));
         }
-        // NaN is no measurement.
+        // NaN means no measurement.
         let is_measured = range_m <= scan.range_max_m;
         if !is_measured {
             return (bearing(direction), None);
@@ -156,28 +159,29 @@ impl Timeline {
         }
     }
 
-    /// The onboard computer begins at a time.
+    /// Starts the onboard computer at a time.
     pub fn begin(&mut self, time_ns: u64) {
         self.time_ns = time_ns;
     }
 
-    /// Until when the onboard computer has taken everything in.
+    /// Returns the time up to which the onboard computer has processed all readings.
     pub fn time_ns(&self) -> u64 {
         self.time_ns
     }
 
-    /// The newest odometry: when, where, and how fast.
+    /// Returns the newest odometry: time, pose and speeds.
     pub fn latest(&self) -> Option<(u64, Isometry2<f64>, Speeds)> {
-        let latest = self.stands.back()?;
+        let latest = self.samples.back()?;
         Some((latest.time_ns, latest.pose, latest.speeds))
     }
 
-    /// How the robot has moved since the time of the onboard computer, by odometry.
+    /// Returns the motion since the time of the onboard computer, by odometry.
     pub fn since(&self) -> Option<Isometry2<f64>> {
-        Some(self.pose_at(self.time_ns)?.inverse() * self.stands.back()?.pose)
+        Some(self.pose_at(self.time_ns)?.inverse() * self.samples.back()?.pose)
     }
 
-    /// Where odometry was at a time; the oldest or newest known pose beyond those.
+    /// Returns the odometry pose at a time. Outside of the known times, returns the oldest or
+    /// newest known pose.
     pub fn pose_at(&self, time_ns: u64) -> Option<Isometry2<f64>> {
         let (before, after, share) = self.around(time_ns)?;
         let moved = before.pose.inverse() * after.pose;
@@ -186,12 +190,13 @@ impl Timeline {
         Some(before.pose * part)
     }
 
-    /// The poses before and after a time, and how far between them it is, from 0 to 1.
-    fn around(&self, time_ns: u64) -> Option<(&Stand, &Stand, f64)> {
-        let after = self.stands.partition_point(|stand| stand.time_ns < time_ns);
-        let last = self.stands.len().checked_sub(1)?;
+    /// Returns the samples before and after a time, and the position of the time between them, from
+    /// 0 to 1.
+    fn around(&self, time_ns: u64) -> Option<(&OdometrySample, &OdometrySample, f64)> {
+        let after = self.samples.partition_point(|s| s.time_ns < time_ns);
+        let last = self.samples.len().checked_sub(1)?;
         let (after, before) = (after.min(last), after.saturating_sub(1));
-        let (before, after) = (self.stands.get(before)?, self.stands.get(after)?);
+        let (before, after) = (self.samples.get(before)?, self.samples.get(after)?);
         let whole_ns = after.time_ns.saturating_sub(before.time_ns);
         let share = match whole_ns {
             0 => 0.0,
@@ -200,9 +205,10 @@ impl Timeline {
         Some((before, after, share.min(1.0)))
     }
 
-    /// The readings of the next step of the onboard computer, once odometry and scans reach its end.
+    /// Returns the readings of the next step of the onboard computer, once odometry and scans reach
+    /// its end.
     pub fn next_step(&mut self) -> Option<StepReadings> {
-        let latest_ns = self.stands.back()?.time_ns;
+        let latest_ns = self.samples.back()?.time_ns;
         let end_ns = self.time_ns + STEP_NS;
         let is_late = end_ns + MOST_LAG_NS <= latest_ns;
         if end_ns > latest_ns || (end_ns > self.horizon_ns && !is_late) {
@@ -232,7 +238,8 @@ impl Timeline {
         Some([to_m - from_m - half_m, to_m - from_m + half_m])
     }
 
-    /// How far the gyro turned; `None` if it does not cover the time, or a reading is missing.
+    /// Returns the angle turned according to the gyro; `None` if the gyro does not cover the
+    /// interval, or a reading is missing.
     fn turned(&self, from_ns: u64, to_ns: u64) -> Option<f64> {
         let first = self
             .gyro
@@ -281,14 +288,14 @@ impl Timeline {
         returns
     }
 
-    /// Forgets what lies before the time of the onboard computer.
+    /// Discards odometry and gyro readings older than the time of the onboard computer.
     fn forget(&mut self) {
         while self
-            .stands
+            .samples
             .get(1)
             .is_some_and(|s| s.time_ns <= self.time_ns)
         {
-            self.stands.pop_front();
+            self.samples.pop_front();
         }
         while self.gyro.get(1).is_some_and(|g| g.0 <= self.time_ns) {
             self.gyro.pop_front();
@@ -296,7 +303,7 @@ impl Timeline {
     }
 }
 
-/// When a beam of a scan was sent, in nanoseconds.
+/// Returns the time of a beam of a scan, in nanoseconds.
 pub fn beam_time_ns(scan: &Scan, number: usize) -> u64 {
     scan.stamp_ns + (number as f64 * scan.time_increment_s.max(0.0) * 1e9).round() as u64
 }

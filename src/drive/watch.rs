@@ -1,39 +1,41 @@
-//! Watches over what arrives: ages, stamps, frames and numbers.
+//! Monitors incoming messages: ages, stamps, frames and values.
 
 use super::fault::Fault;
 use super::readings::{Imu, Odometry, Readings, Scan};
 use crate::arena::LidarParams;
 
 const SECOND_NS: f64 = 1e9;
-/// Odometry that is older than this, in nanoseconds, has ceased: three control periods.
+/// The maximum age of odometry in nanoseconds: three control periods.
 pub const ODOMETRY_AGE_NS: u64 = 150_000_000;
-/// Simulated time that stands still for longer, in real nanoseconds, has ceased.
+/// The longest standstill of simulated time, in real nanoseconds.
 pub const CLOCK_AGE_NS: u64 = 1_000_000_000;
-/// Scans cease after this number of turns.
+/// The maximum age of scans, in lidar turns.
 const TURNS: f64 = 2.0;
-/// A step of the stamps by more than this, in nanoseconds, while less than half of it passed, is a jump.
+/// A change of the stamps by more than this, in nanoseconds, is a jump if less than half of it has
+/// passed.
 const JUMP_NS: u64 = 500_000_000;
-/// By how much the stamps of scans and odometry may differ, in nanoseconds.
+/// The maximum difference between the stamps of scans and odometry, in nanoseconds.
 const DISAGREEMENT_NS: u64 = 1_000_000_000;
-/// The largest share of ranges that may be no number.
+/// The maximum share of ranges that are not a number.
 const INVALID: f64 = 0.5;
-/// By what share the range of the lidar may differ from the profile, and by how many beams a turn.
+/// The maximum differences of the lidar from the profile: in range, as a share, and in beams per
+/// turn.
 const RANGE_SHARE: f64 = 0.05;
 const BEAMS: usize = 2;
 
-/// The frames that messages must have.
+/// The expected frames of messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Frames {
-    /// Where dead reckoning began.
+    /// The frame of odometry.
     pub odom: String,
-    /// The robot; any of them.
+    /// The accepted frames of the robot.
     pub base: Vec<String>,
-    /// The lidar; any of them.
+    /// The accepted frames of the lidar.
     pub scan: Vec<String>,
 }
 
 impl Default for Frames {
-    /// Those of REP 105, and of TurtleBots.
+    /// Returns the frames of REP 105 and of TurtleBots.
     fn default() -> Self {
         let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
         Self {
@@ -51,7 +53,7 @@ struct Seen {
     arrived_ns: u64,
 }
 
-/// Watches over what arrives.
+/// Monitors incoming messages.
 #[derive(Debug)]
 pub struct Watch {
     lidar: LidarParams,
@@ -59,15 +61,15 @@ pub struct Watch {
     begun_ns: Option<u64>,
     scan: Option<Seen>,
     odometry: Option<Seen>,
-    /// Simulated time, and when it last changed on the steady clock.
+    /// Simulated time, and the time on the steady clock when it last changed.
     clock: Option<(u64, u64)>,
-    /// What was wrong with the last message of each topic.
+    /// The fault of the last message of each topic.
     scan_fault: Option<Fault>,
     odometry_fault: Option<Fault>,
     jump: Option<Fault>,
 }
 
-/// The readings that can be used, and what is wrong.
+/// The usable readings, and the faults.
 #[derive(Debug, Default)]
 pub struct Watched<'a> {
     pub scans: Vec<&'a Scan>,
@@ -77,7 +79,7 @@ pub struct Watched<'a> {
 }
 
 impl Watch {
-    /// Watches a robot with such a lidar and such frames.
+    /// Creates a monitor for a robot with this lidar and these frames.
     pub fn new(lidar: &LidarParams, frames: Frames) -> Self {
         Self {
             lidar: lidar.clone(),
@@ -92,7 +94,7 @@ impl Watch {
         }
     }
 
-    /// Looks through what arrived until `steady_ns`, a clock that never jumps.
+    /// Checks the readings that arrived until `steady_ns`, a clock that never jumps.
     pub fn step<'a>(&mut self, steady_ns: u64, readings: &'a Readings) -> Watched<'a> {
         let now_ns = self.now(steady_ns, readings.clock_ns);
         let begun_ns = *self.begun_ns.get_or_insert(now_ns);
@@ -131,7 +133,8 @@ impl Watch {
         watched
     }
 
-    /// The time by which ages are measured: simulated time where there is some, or else the steady clock.
+    /// Returns the time for measuring ages: simulated time if there is any, otherwise the steady
+    /// clock.
     fn now(&mut self, steady_ns: u64, clock_ns: Option<u64>) -> u64 {
         let Some(clock_ns) = clock_ns else {
             return self.clock.map_or(steady_ns, |(clock_ns, _)| clock_ns);
@@ -146,7 +149,7 @@ impl Watch {
             changed_ns
         };
         if self.clock.is_none() {
-            // Ages that were measured by the steady clock begin again.
+            // Restart ages that were measured with the steady clock.
             self.begun_ns = None;
             let again = |seen: Seen| Seen {
                 arrived_ns: clock_ns,
@@ -164,7 +167,8 @@ impl Watch {
         self.jump.get_or_insert(Fault::ClockJumped { topic, by_s });
     }
 
-    /// Follows the stamps of a topic. False for a message that is no newer than the last one.
+    /// Tracks the stamps of a topic. Returns false for a message that is not newer than the last
+    /// one.
     fn follow(&mut self, topic: &'static str, last: Option<Seen>, now: Seen) -> bool {
         let Some(last) = last else {
             return true;
@@ -262,7 +266,7 @@ impl Watch {
 }
 
 fn frame_fault(topic: &'static str, found: &str, expected: &[String]) -> Option<Fault> {
-    // Messages of ROS 1 nodes and of some drivers begin frames with a slash.
+    // ROS 1 nodes and some drivers prefix frames with a slash.
     let found_name = found.strip_prefix('/').unwrap_or(found);
     let is_expected = expected.iter().any(|name| name == found_name);
     (!is_expected).then(|| Fault::WrongFrame {

@@ -1,4 +1,4 @@
-//! The driver as a node.
+//! The driver as a ROS 2 node.
 
 use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -7,58 +7,59 @@ use ros2_client::{Gid, Publisher, Subscription};
 use serde::Serialize;
 
 use super::error::Ros2Error;
-use super::link::{Link, drain, heard, told};
+use super::link::{Link, best_effort, drain, reliable};
 use crate::arena::Speeds;
 use crate::drive::{Driver, DriverOptions, DriverStep, Fault, Network, Phase, Readings};
 use crate::record::DriveBag;
 use crate::record::drive_messages::{Clock, Imu, Text, Twist, TwistStamped};
 use crate::record::messages::{EstimatedPose, LaserScan, MAP, ODOM, Odometry, Transforms};
 
-/// The control period: the driver is called at least so often.
+/// The control period: the longest time between two calls of the driver.
 const PERIOD: Duration = Duration::from_millis(50);
-/// How often one looks for messages.
+/// The poll interval for messages.
 const TICK: Duration = Duration::from_millis(1);
-/// How often the graph is looked at.
+/// The poll interval for the ROS graph.
 const GRAPH: Duration = Duration::from_millis(100);
-/// How long the last commands get to arrive.
-const FAREWELL: Duration = Duration::from_millis(200);
+/// The grace period for the last commands to arrive.
+const GRACE_PERIOD: Duration = Duration::from_millis(200);
 const TWIST: [&str; 2] = ["geometry_msgs", "Twist"];
 const STAMPED: [&str; 2] = ["geometry_msgs", "TwistStamped"];
 const SCAN: [&str; 2] = ["sensor_msgs", "LaserScan"];
 const ODOMETRY: [&str; 2] = ["nav_msgs", "Odometry"];
 
-/// What happens during a drive.
+/// A report of an event during a drive.
 #[derive(Debug)]
 pub enum DriveReport<'a> {
-    /// The driver decided, or an action ended.
+    /// The driver made a decision, or an action ended.
     Step(&'a DriverStep),
-    /// Other faults hold than before; none if it goes on.
+    /// The faults changed. Empty if the drive continues.
     Faults(&'a [Fault]),
 }
 
-/// The times from a scan to the command that follows it, in milliseconds.
+/// The latency from a scan to the next command, in milliseconds.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Latency {
-    /// Scans.
+    /// The number of scans.
     pub count: usize,
     /// The median.
     pub median_ms: f64,
-    /// Of a hundred, one is slower.
+    /// The 99th percentile.
     pub p99_ms: f64,
-    /// The slowest.
+    /// The maximum.
     pub most_ms: f64,
 }
 
-/// What a drive came to.
+/// The result of a drive.
 #[derive(Debug, Clone)]
 pub struct DriveSummary {
-    /// How far it came.
+    /// The final phase.
     pub phase: Phase,
-    /// Decisions of the policy.
+    /// The number of decisions.
     pub decisions: u32,
-    /// The faults at its end.
+    /// The faults at the end.
     pub faults: Vec<Fault>,
-    /// From the time at which a scan was sent, by its publisher's clock, until the command was published.
+    /// The latency from the time a scan was sent, by its publisher's clock, until the command was
+    /// published.
     pub latency: Latency,
 }
 
@@ -93,7 +94,7 @@ impl Velocity {
 }
 
 fn publisher_of<M: Serialize>(link: &mut Link, kind: [&str; 2]) -> Result<Publisher<M>, Ros2Error> {
-    link.publisher("cmd_vel", kind, &told())
+    link.publisher("cmd_vel", kind, &reliable())
 }
 
 struct DriveNode {
@@ -103,7 +104,7 @@ struct DriveNode {
     imu: Subscription<Imu>,
     clock: Option<Subscription<Clock>>,
     cmd_vel: Option<Velocity>,
-    /// The type of commands.
+    /// The message type of commands.
     velocity: [&'static str; 2],
     tf: Publisher<Transforms>,
     pose: Publisher<EstimatedPose>,
@@ -114,10 +115,10 @@ struct DriveNode {
     looked: Option<Instant>,
 }
 
-/// What was taken from the topics.
+/// The messages taken from the topics.
 struct Taken {
     readings: Readings,
-    /// When the newest scan was sent, in nanoseconds since 1970.
+    /// The time at which the newest scan was sent, in nanoseconds since 1970.
     scan_sent_ns: Option<i64>,
 }
 
@@ -128,11 +129,11 @@ impl DriveNode {
         let clock = ["rosgraph_msgs", "Clock"];
         let pose = ["geometry_msgs", "PoseWithCovarianceStamped"];
         Ok(Self {
-            scan: link.subscription("scan", SCAN, &heard())?,
-            odom: link.subscription("odom", ODOMETRY, &heard())?,
-            imu: link.subscription("imu", ["sensor_msgs", "Imu"], &heard())?,
+            scan: link.subscription("scan", SCAN, &best_effort())?,
+            odom: link.subscription("odom", ODOMETRY, &best_effort())?,
+            imu: link.subscription("imu", ["sensor_msgs", "Imu"], &best_effort())?,
             clock: match options.sim_time {
-                true => Some(link.subscription("clock", clock, &heard())?),
+                true => Some(link.subscription("clock", clock, &best_effort())?),
                 false => None,
             },
             cmd_vel: match (options.dry_run, options.stamped) {
@@ -141,10 +142,10 @@ impl DriveNode {
                 (false, true) => Some(Velocity::Stamped(publisher_of(&mut link, STAMPED)?)),
             },
             velocity: if options.stamped { STAMPED } else { TWIST },
-            tf: link.publisher("tf", ["tf2_msgs", "TFMessage"], &told())?,
-            pose: link.publisher("xcscr/pose", pose, &told())?,
-            decision: link.publisher("xcscr/decision", text, &told())?,
-            fault: link.publisher("xcscr/fault", text, &told())?,
+            tf: link.publisher("tf", ["tf2_msgs", "TFMessage"], &reliable())?,
+            pose: link.publisher("xcscr/pose", pose, &reliable())?,
+            decision: link.publisher("xcscr/decision", text, &reliable())?,
+            fault: link.publisher("xcscr/fault", text, &reliable())?,
             clock_ns: None,
             network: Network::default(),
             looked: None,
@@ -177,16 +178,19 @@ impl DriveNode {
         }
     }
 
-    /// Looks at the graph.
+    /// Checks the ROS graph for other publishers and incompatible peers.
     fn look(&mut self) {
         self.looked = Some(Instant::now());
         let own = self.cmd_vel.as_ref().map(Velocity::gid);
         let link = &self.link;
         let named = |topic: &str, cause: Option<String>| Some((format!("/{topic}"), cause?));
         let incompatible = [
-            named("scan", link.unheard("scan", SCAN, &heard())),
-            named("odom", link.unheard("odom", ODOMETRY, &heard())),
-            named("cmd_vel", link.unhearing("cmd_vel", self.velocity, &told())),
+            named("scan", link.writer_fault("scan", SCAN, &best_effort())),
+            named("odom", link.writer_fault("odom", ODOMETRY, &best_effort())),
+            named(
+                "cmd_vel",
+                link.reader_fault("cmd_vel", self.velocity, &reliable()),
+            ),
         ];
         self.network = Network {
             other_publishers: link.other_publishers("cmd_vel", own),
@@ -199,7 +203,7 @@ impl DriveNode {
             let time_ns = step.belief.map_or(0, |belief| belief.stamp_ns);
             cmd_vel.publish(time_ns, step.command)?;
         }
-        // What follows is for people: a full queue loses it.
+        // The rest is for display only; a full queue drops it.
         if let Some(belief) = &step.belief {
             let frames = [(MAP, ODOM, belief.odom_in_map)];
             let _ = self.tf.publish(Transforms::new(belief.stamp_ns, &frames));
@@ -212,7 +216,7 @@ impl DriveNode {
     }
 }
 
-/// Commands rest when the drive ends, in whatever way: by a panic, too.
+/// Commands rest when the drive ends for any reason, including a panic.
 struct RestAtEnd(DriveNode);
 
 impl Drop for RestAtEnd {
@@ -221,16 +225,16 @@ impl Drop for RestAtEnd {
             for _ in 0..3 {
                 let _ = cmd_vel.publish(0, Speeds::default());
             }
-            sleep(FAREWELL);
+            sleep(GRACE_PERIOD);
         }
     }
 }
 
-/// Drives a robot until it is at the goal, out of steps, lost, or `stop` says so.
+/// Drives a robot until it is at the goal, out of steps or mislocalised, or `stop` returns true.
 ///
 /// # Errors
-/// When the node or a topic cannot be made, a command cannot be sent, or the recording cannot be written. The robot is commanded
-/// to rest before that.
+/// Returns an error if the node or a topic cannot be created, a command cannot be sent, or the
+/// recording cannot be written. The robot is commanded to rest first.
 pub fn drive(
     driver: Driver,
     options: &DriverOptions,
@@ -255,7 +259,7 @@ pub fn drive(
         latencies_ms,
         ..
     } = drive;
-    // The robot rests before the disk is waited for.
+    // Command rest before waiting for the disk.
     drop(node);
     bag.map_or(Ok(()), DriveBag::finish)?;
     Ok(DriveSummary {
@@ -266,21 +270,22 @@ pub fn drive(
     })
 }
 
-/// A drive under way.
+/// The state of a drive.
 struct Drive {
     node: RestAtEnd,
     driver: Driver,
     bag: Option<DriveBag>,
-    /// Readings of the gyro that wait for odometry or a scan.
+    /// Gyro readings waiting for odometry or a scan.
     imu: Vec<crate::drive::Imu>,
     decisions: u32,
-    /// The names of the faults that were reported last.
+    /// The names of the last reported faults.
     faults: Vec<&'static str>,
     latencies_ms: Vec<f64>,
 }
 
 impl Drive {
-    /// Calls the driver when messages arrive, and at least in every control period. Returns the last step.
+    /// Calls the driver when messages arrive, and at least once per control period. Returns the
+    /// last step.
     fn follow(
         &mut self,
         stop: &dyn Fn() -> bool,

@@ -1,16 +1,16 @@
-//! Errors of the nodes.
+//! Errors of the ROS 2 nodes.
 
 use crate::record::RecordError;
 
-/// Why a node cannot run.
+/// Errors of a ROS 2 node.
 #[derive(Debug, thiserror::Error)]
 pub enum Ros2Error {
-    /// The node, a topic, a publisher or a subscription cannot be made.
-    #[error("cannot make {what} for ROS 2: {cause}")]
+    /// The node, a topic, a publisher or a subscription cannot be created.
+    #[error("cannot create {what} for ROS 2: {cause}")]
     Create {
-        /// What cannot be made.
+        /// The object that cannot be created.
         what: String,
-        /// What the middleware says.
+        /// The error of the middleware.
         cause: String,
     },
     /// A message cannot be sent.
@@ -18,7 +18,7 @@ pub enum Ros2Error {
     Publish {
         /// The topic.
         topic: &'static str,
-        /// What the middleware says.
+        /// The error of the middleware.
         cause: String,
     },
     /// The drive cannot be recorded.

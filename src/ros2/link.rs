@@ -1,4 +1,4 @@
-//! A node with its topics.
+//! A ROS 2 node and its topics.
 
 use ros2_client::dds::rustdds::discovery::PublicationBuiltinTopicData;
 use ros2_client::qos::{Durability, History, WhenFull};
@@ -13,26 +13,28 @@ use serde::de::DeserializeOwned;
 use super::error::Ros2Error;
 use crate::drive::NodeOptions;
 
-/// Messages that may be lost, as of sensors. Hears every publisher of the same type.
-pub fn heard() -> QosProfile {
+/// Quality of service for sensor messages, which may be lost. Compatible with every publisher of
+/// the same type.
+pub fn best_effort() -> QosProfile {
     QosProfile::subscription_default().history(History::KeepLast { depth: 32 })
 }
 
-/// Messages that arrive. A full queue loses them, so that a deaf peer cannot hold up the robot.
-pub fn told() -> QosProfile {
+/// Quality of service for reliable messages. A full queue drops them, so that an unresponsive peer
+/// cannot block the robot.
+pub fn reliable() -> QosProfile {
     QosProfile::publisher_default()
         .reliability_reliable(WhenFull::Fail)
         .history(History::KeepLast { depth: 10 })
 }
 
-/// The last message, also for those who subscribe later.
-pub fn lasting() -> QosProfile {
-    told()
+/// Quality of service for a message that is also delivered to later subscribers.
+pub fn transient_local() -> QosProfile {
+    reliable()
         .durability(Durability::TransientLocal)
         .history(History::KeepLast { depth: 1 })
 }
 
-/// A node.
+/// A ROS 2 node.
 pub struct Link {
     context: Context,
     node: Node,
@@ -40,7 +42,7 @@ pub struct Link {
 }
 
 impl Link {
-    /// Opens a node of a name.
+    /// Opens a node with a name.
     pub fn open(name: &str, options: &NodeOptions) -> Result<Self, Ros2Error> {
         let what = || format!("the node `{name}` in the namespace `{}`", options.namespace);
         let context = Context::with_options(ContextOptions::new().domain_id(options.domain))
@@ -56,7 +58,7 @@ impl Link {
         })
     }
 
-    /// The full name of a topic.
+    /// Returns the full name of a topic.
     fn name(&self, topic: &str) -> Result<Name, Ros2Error> {
         let (folder, base) = topic.rsplit_once('/').unwrap_or(("", topic));
         let namespace = match topic {
@@ -74,7 +76,7 @@ impl Link {
         Name::new(&whole, base).map_err(failed(format!("the topic `{topic}`")))
     }
 
-    /// Publishes on a topic.
+    /// Creates a publisher on a topic.
     pub fn publisher<M: Serialize>(
         &mut self,
         topic: &str,
@@ -91,7 +93,7 @@ impl Link {
             .map_err(failed(what()))
     }
 
-    /// Subscribes to a topic.
+    /// Creates a subscription to a topic.
     pub fn subscription<M: DeserializeOwned + 'static>(
         &mut self,
         topic: &str,
@@ -108,7 +110,7 @@ impl Link {
             .map_err(failed(what()))
     }
 
-    /// The name of a topic in DDS.
+    /// Returns the name of a topic in DDS.
     fn dds_name(&self, topic: &str) -> String {
         match self.namespace.trim_matches('/') {
             "" => format!("rt/{topic}"),
@@ -116,7 +118,7 @@ impl Link {
         }
     }
 
-    /// How many publishers on a topic there are beside `own`.
+    /// Returns the number of publishers on a topic other than `own`.
     pub fn other_publishers(&self, topic: &str, own: Option<Gid>) -> usize {
         let name = self.dds_name(topic);
         let writers = self.context.domain_participant().discovered_writers();
@@ -127,8 +129,14 @@ impl Link {
         all.filter(is_other).count()
     }
 
-    /// Why a publisher on a topic cannot be heard by a subscription of such quality; `None` if all can be heard.
-    pub fn unheard(&self, topic: &str, kind: [&str; 2], wanted: &QosProfile) -> Option<String> {
+    /// Returns why a publisher on a topic is incompatible with a subscription of this quality;
+    /// `None` if all are compatible.
+    pub fn writer_fault(
+        &self,
+        topic: &str,
+        kind: [&str; 2],
+        wanted: &QosProfile,
+    ) -> Option<String> {
         let name = self.dds_name(topic);
         let wanted = QosPolicies::from(wanted);
         let writers = self.context.domain_participant().discovered_writers();
@@ -143,8 +151,14 @@ impl Link {
         })
     }
 
-    /// Why the subscribers of a topic cannot hear a publisher of such quality; `None` if one can, or there is none.
-    pub fn unhearing(&self, topic: &str, kind: [&str; 2], offered: &QosProfile) -> Option<String> {
+    /// Returns why the subscribers of a topic are incompatible with a publisher of this quality;
+    /// `None` if any is compatible, or there are none.
+    pub fn reader_fault(
+        &self,
+        topic: &str,
+        kind: [&str; 2],
+        offered: &QosProfile,
+    ) -> Option<String> {
         let name = self.dds_name(topic);
         let offered = QosPolicies::from(offered);
         let readers = self.context.domain_participant().discovered_readers();
@@ -163,13 +177,13 @@ impl Link {
     }
 }
 
-/// What is wrong with a type in DDS.
+/// Returns the difference between a type in DDS and the expected type, if any.
 fn other_type(found: &str, [package, kind]: [&str; 2]) -> Option<String> {
     let wanted = MessageTypeName::new(package, kind).dds_msg_type();
     (found != wanted).then(|| format!("its type is {found}, not {wanted}"))
 }
 
-/// An error in making something.
+/// Converts an error in creating `what`.
 pub fn failed<E: std::fmt::Debug>(what: String) -> impl FnOnce(E) -> Ros2Error {
     move |cause| Ros2Error::Create {
         what,
@@ -177,7 +191,7 @@ pub fn failed<E: std::fmt::Debug>(what: String) -> impl FnOnce(E) -> Ros2Error {
     }
 }
 
-/// All messages that wait; those that cannot be read are dropped.
+/// Returns all waiting messages. Messages that cannot be decoded are dropped.
 pub fn drain<M: DeserializeOwned + 'static>(subscription: &Subscription<M>) -> Vec<(M, i64)> {
     let mut all = Vec::new();
     loop {
@@ -187,7 +201,7 @@ pub fn drain<M: DeserializeOwned + 'static>(subscription: &Subscription<M>) -> V
                 all.push((message, sent.map_or(0, |at| at.to_nanos())));
             }
             Ok(None) => return all,
-            // A message that cannot be decoded is taken from the queue all the same.
+            // A message that cannot be decoded is removed from the queue as well.
             Err(_) if all.len() < 1_000 => {}
             Err(_) => return all,
         }

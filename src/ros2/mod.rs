@@ -1,7 +1,7 @@
 //! ROS 2 without a ROS installation: the driver and the simulated robot as nodes (feature `ros2`).
 //!
-//! The nodes speak DDS in pure Rust. Everything that decides is in [`crate::drive`]; here are topics, their quality of service, and
-//! the loops that move messages.
+//! The nodes use DDS in pure Rust. All decisions are made in [`crate::drive`]. This module contains
+//! the topics, their quality of service, and the loops that move messages.
 
 mod drive_node;
 mod error;

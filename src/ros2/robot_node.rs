@@ -1,4 +1,4 @@
-//! The simulated robot as a node.
+//! The simulated robot as a ROS 2 node.
 
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -8,7 +8,7 @@ use ros2_client::{Publisher, Subscription};
 use serde::Serialize;
 
 use super::error::Ros2Error;
-use super::link::{Link, drain, heard, lasting, told};
+use super::link::{Link, best_effort, drain, reliable, transient_local};
 use crate::drive::{NodeOptions, SimulateOptions, SimulatedReadings, SimulatedRobot};
 use crate::record::drive_messages::{Clock, Imu, Twist};
 use crate::record::messages::{
@@ -16,13 +16,13 @@ use crate::record::messages::{
 };
 use crate::world::Maze;
 
-/// Simulated time of a step.
+/// The simulated time of a step.
 const STEP: Duration = Duration::from_millis(50);
-/// How often one looks for commands and for the end.
+/// The poll interval for commands and for `stop`.
 const TICK: Duration = Duration::from_millis(2);
 
 struct RobotNode {
-    /// Publishers end with their node.
+    /// Keeps the node alive, because publishers end with their node.
     _link: Link,
     clock: Publisher<Clock>,
     scan: Publisher<LaserScan>,
@@ -41,27 +41,27 @@ impl RobotNode {
         let odometry = ["nav_msgs", "Odometry"];
         let transforms = ["tf2_msgs", "TFMessage"];
         Ok(Self {
-            clock: link.publisher("clock", ["rosgraph_msgs", "Clock"], &told())?,
-            scan: link.publisher("scan", ["sensor_msgs", "LaserScan"], &told())?,
-            odom: link.publisher("odom", odometry, &told())?,
-            truth: link.publisher("ground_truth/odom", odometry, &told())?,
-            imu: link.publisher("imu", ["sensor_msgs", "Imu"], &told())?,
-            tf: link.publisher("tf", transforms, &told())?,
-            tf_static: link.publisher("tf_static", transforms, &lasting())?,
-            map: link.publisher("map", ["nav_msgs", "OccupancyGrid"], &lasting())?,
-            cmd_vel: link.subscription("cmd_vel", ["geometry_msgs", "Twist"], &heard())?,
+            clock: link.publisher("clock", ["rosgraph_msgs", "Clock"], &reliable())?,
+            scan: link.publisher("scan", ["sensor_msgs", "LaserScan"], &reliable())?,
+            odom: link.publisher("odom", odometry, &reliable())?,
+            truth: link.publisher("ground_truth/odom", odometry, &reliable())?,
+            imu: link.publisher("imu", ["sensor_msgs", "Imu"], &reliable())?,
+            tf: link.publisher("tf", transforms, &reliable())?,
+            tf_static: link.publisher("tf_static", transforms, &transient_local())?,
+            map: link.publisher("map", ["nav_msgs", "OccupancyGrid"], &transient_local())?,
+            cmd_vel: link.subscription("cmd_vel", ["geometry_msgs", "Twist"], &best_effort())?,
             _link: link,
         })
     }
 
-    /// What never changes.
-    fn introduce(&self, maze: &Maze) {
+    /// Publishes the static transforms and the map.
+    fn publish_static(&self, maze: &Maze) {
         let mount = Transforms::new(0, &[(BASE, LASER, Isometry2::identity())]);
         publish(&self.tf_static, mount);
         publish(&self.map, OccupancyGrid::new(0, maze));
     }
 
-    fn tell(&self, readings: &SimulatedReadings, truth: &Isometry2<f64>) {
+    fn publish_readings(&self, readings: &SimulatedReadings, truth: &Isometry2<f64>) {
         let SimulatedReadings {
             time_ns,
             odometry,
@@ -84,18 +84,19 @@ impl RobotNode {
     }
 }
 
-/// Publishes a message. One that a full queue does not take is lost, as on a radio link.
+/// Publishes a message. A full queue drops it, as on a radio link.
 fn publish<M: Serialize>(publisher: &Publisher<M>, message: M) {
     let _ = publisher.publish(message);
 }
 
-/// Runs a simulated robot as a node until `stop` says so.
+/// Runs a simulated robot as a node until `stop` returns true. Returns the number of steps.
 ///
-/// It publishes `/clock`, `/scan`, `/odom`, `/imu`, `/tf`, `/tf_static`, `/map` and `/ground_truth/odom`, and drives as `/cmd_vel`
-/// says. A command holds for half a second of simulated time.
+/// Publishes `/clock`, `/scan`, `/odom`, `/imu`, `/tf`, `/tf_static`, `/map` and
+/// `/ground_truth/odom`, and follows the commands on `/cmd_vel`. A command is in effect for half a
+/// second of simulated time.
 ///
 /// # Errors
-/// When the node or a topic cannot be made.
+/// Returns an error if the node or a topic cannot be created.
 pub fn simulate(
     maze: &Maze,
     robot: &mut SimulatedRobot,
@@ -103,7 +104,7 @@ pub fn simulate(
     stop: &dyn Fn() -> bool,
 ) -> Result<u64, Ros2Error> {
     let node = RobotNode::open(&options.node)?;
-    node.introduce(maze);
+    node.publish_static(maze);
     let period = STEP.div_f64(options.realtime_factor);
     let mut due = Instant::now();
     let mut steps = 0;
@@ -117,9 +118,9 @@ pub fn simulate(
             continue;
         }
         let readings = robot.step();
-        node.tell(&readings, &robot.true_pose());
+        node.publish_readings(&readings, &robot.true_pose());
         steps += 1;
-        // After a pause of this machine, time goes on from now.
+        // After a pause of this machine, continue from the current time.
         due = (due + period).max(Instant::now() - period);
     }
     Ok(steps)

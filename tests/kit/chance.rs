@@ -1,10 +1,10 @@
-//! Random experiments, the same in every run.
+//! Reproducible random experiments.
 
 use xcscr::streams::StreamName;
 use xcscr::xcs::random::Stream;
 
-/// How often a random experiment is repeated: `commit` times, or `long` times when the
-/// environment variable `XCSCR_LONG` is set.
+/// Returns the number of repetitions of a random experiment: `commit`, or `long` if the environment
+/// variable `XCSCR_LONG` is set.
 pub fn rounds(commit: usize, long: usize) -> usize {
     match std::env::var_os("XCSCR_LONG") {
         Some(_) => long,
@@ -12,7 +12,7 @@ pub fn rounds(commit: usize, long: usize) -> usize {
     }
 }
 
-/// Random numbers for tests: the same in every run.
+/// Creates a random stream that is the same in every run.
 pub fn dice(seed: u64) -> Stream {
     Stream::new(seed, StreamName::World)
 }

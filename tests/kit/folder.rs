@@ -1,18 +1,18 @@
-//! What stands in a folder.
+//! Helpers for the contents of folders.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Puts a file where there may be one, as tests do that try thousands of files. It is made anew: one
-/// that is cut to nothing and written again goes to the disk at once on ext4, which takes 150 times as long.
+/// Replaces a file, for tests that write thousands of files. Deletes the file first: on ext4,
+/// truncating and rewriting a file flushes it to disk at once, which takes 150 times as long.
 pub fn replace(path: &Path, bytes: impl AsRef<[u8]>) {
-    // There may be none yet.
+    // The file may not exist yet.
     let _ = fs::remove_file(path);
     fs::write(path, bytes).unwrap();
 }
 
-/// The names of the files in a folder, in order.
+/// Returns the sorted names of the files in a folder.
 pub fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = fs::read_dir(folder)
         .unwrap()
@@ -22,8 +22,8 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Every file of a folder with its bytes, in order. Of the journals of a study, whose number and order
-/// depend on the processes that ran it, the trials.
+/// Returns every file of a folder with its bytes, sorted by name. The journals of a study stand for their
+/// trials, because their number and order depend on the processes that ran it.
 pub fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
     let mut files: Vec<_> = entries

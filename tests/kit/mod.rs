@@ -1,5 +1,5 @@
-//! The kit of the tests: the program, its server, folders, chance, and small trials. Not every test
-//! uses all of it.
+//! The test kit: the program, its server, folders, random numbers, and small trials. Each test uses
+//! a part of it.
 
 #![allow(dead_code, reason = "each test file uses a part")]
 #![allow(clippy::unwrap_used, reason = "a test ends there")]

@@ -1,30 +1,30 @@
-//! Runs the program as a user would.
+//! Runs the program as a user does.
 
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
-/// Longer than anything takes here, even on a busy machine: what is not done by then is stuck.
+/// The timeout. It is longer than any operation takes, even on a busy machine.
 const STUCK: Duration = Duration::from_secs(600);
-/// How often [`wait_until`] looks.
+/// The poll interval of [`wait_until`].
 const LOOK: Duration = Duration::from_millis(5);
 
-/// The program with these arguments, in the folder of the project.
+/// Returns the command with these arguments, in the folder of the project.
 pub fn xcscr(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
     command.current_dir(env!("CARGO_MANIFEST_DIR")).args(args);
     command
 }
 
-/// The same in the background, with its output kept for later.
+/// Starts the program in the background and captures its output.
 pub fn spawn(args: &[&str]) -> Child {
     let mut command = xcscr(args);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     command.spawn().unwrap()
 }
 
-/// Stdout and stderr of a program that ended with this code and did not panic.
+/// Returns stdout and stderr of a program that must have ended with this code and without a panic.
 #[track_caller]
 pub fn ended(output: &Output, code: i32, what: &str) -> (String, String) {
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -39,13 +39,13 @@ pub fn ended(output: &Output, code: i32, what: &str) -> (String, String) {
     (stdout, stderr)
 }
 
-/// Runs the program, which must end with `code`; gives stdout and stderr.
+/// Runs the program, which must end with `code`. Returns stdout and stderr.
 #[track_caller]
 pub fn expect(code: i32, args: &[&str]) -> (String, String) {
     ended(&xcscr(args).output().unwrap(), code, &format!("{args:?}"))
 }
 
-/// Runs the program; gives its exit code, stdout and stderr.
+/// Runs the program. Returns its exit code, stdout and stderr.
 pub fn outcome(args: &[&str]) -> (Option<i32>, String, String) {
     let output = xcscr(args).output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -53,7 +53,7 @@ pub fn outcome(args: &[&str]) -> (Option<i32>, String, String) {
     (output.status.code(), stdout, stderr)
 }
 
-/// Waits for the end of a program, and kills it when it is stuck.
+/// Waits until a program ends, and kills it after [`STUCK`].
 pub fn output_of(child: Child) -> Output {
     let (pid, (done, ended)) = (child.id().to_string(), mpsc::channel::<()>());
     let guard = thread::spawn(move || {
@@ -67,7 +67,7 @@ pub fn output_of(child: Child) -> Output {
     output
 }
 
-/// Looks again and again until it is so.
+/// Polls until the condition is true.
 #[track_caller]
 pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     for _ in 0..STUCK.div_duration_f64(LOOK) as u32 {
@@ -76,12 +76,12 @@ pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
         }
         thread::sleep(LOOK);
     }
-    panic!("waited in vain: {what}");
+    panic!("timed out waiting for: {what}");
 }
 
-/// Sends a signal, such as `TERM`, to a program that runs.
+/// Sends a signal, such as `TERM`, to a running program.
 pub fn signal(child: &Child, name: &str) {
     let pid = child.id().to_string();
-    // The program may have ended by itself, which is no fault of this.
+    // The program may have ended already, which is not an error.
     let _ = Command::new("kill").args(["-s", name, &pid]).output();
 }

@@ -1,9 +1,9 @@
-//! Holds messages against the JSON schemas of their channels: as much of JSON Schema as recordings
-//! use, and no word of it unread.
+//! Validates messages against the JSON schemas of their channels. Supports the keywords that
+//! recordings use, and fails on any other.
 
 use serde_json::Value;
 
-/// What of a message the schema does not allow, with where it stands.
+/// Returns the first part of a value that the schema does not allow, with its position.
 pub fn fault(schema: &Value, value: &Value) -> Option<String> {
     fault_at("", schema, value)
 }
@@ -11,7 +11,7 @@ pub fn fault(schema: &Value, value: &Value) -> Option<String> {
 fn fault_at(place: &str, schema: &Value, value: &Value) -> Option<String> {
     let words = schema.as_object().expect("a schema is an object");
     let faults = words.iter().filter_map(|(word, wanted)| match &**word {
-        "type" => (!is_of(wanted, value)).then(|| format!("{place}: {value} is no {wanted}")),
+        "type" => (!is_of(wanted, value)).then(|| format!("{place}: {value} is not {wanted}")),
         "properties" => fault_of_fields(place, wanted, value),
         "items" => {
             let mut items = value.as_array()?.iter().enumerate();
@@ -23,12 +23,12 @@ fn fault_at(place: &str, schema: &Value, value: &Value) -> Option<String> {
             (!is_one).then(|| format!("{place}: {value} is none of {wanted}"))
         }
         "description" => None,
-        unread => panic!("this check does not know the word `{unread}`"),
+        unknown => panic!("unsupported schema keyword `{unknown}`"),
     });
     faults.collect::<Vec<_>>().into_iter().next()
 }
 
-/// Is a value of the type that a schema names?
+/// Returns true if a value has the type that a schema names.
 fn is_of(wanted: &Value, value: &Value) -> bool {
     match wanted.as_str().expect("a type is one word") {
         "object" => value.is_object(),
@@ -37,11 +37,11 @@ fn is_of(wanted: &Value, value: &Value) -> bool {
         "boolean" => value.is_boolean(),
         "number" => value.is_number(),
         "integer" => value.is_i64() || value.is_u64(),
-        unknown => panic!("this check does not know the type `{unknown}`"),
+        unknown => panic!("unsupported type `{unknown}`"),
     }
 }
 
-/// A field that the schema does not know counts as a fault, too.
+/// Returns a fault of the fields. A field that is not in the schema is a fault, too.
 fn fault_of_fields(place: &str, known: &Value, value: &Value) -> Option<String> {
     value.as_object()?.iter().find_map(|(field, value)| {
         let place = format!("{place}.{field}");

@@ -1,4 +1,4 @@
-//! A learner that walks as it is told, so that no change of a learner changes what it does.
+//! A learner with scripted actions, which does not depend on the implementation of any learner.
 
 use std::collections::BTreeMap;
 
@@ -7,30 +7,30 @@ use xcscr::arena::Outcome;
 use xcscr::xcs::PredictionArray;
 use xcscr::xcs::{Action, Percept};
 
-/// Walks one way per episode; a way is written in the letters of the compass.
+/// Follows one path per episode. A path is a string of compass letters.
 pub struct Scripted {
-    ways: Vec<&'static str>,
+    paths: Vec<&'static str>,
     episode: usize,
     step: usize,
 }
 
 impl Scripted {
-    pub fn new(ways: &[&'static str]) -> Self {
+    pub fn new(paths: &[&'static str]) -> Self {
         Self {
-            ways: ways.to_vec(),
+            paths: paths.to_vec(),
             episode: 0,
             step: 0,
         }
     }
 
-    fn way(&self) -> &'static str {
-        self.ways[self.episode % self.ways.len()]
+    fn path(&self) -> &'static str {
+        self.paths[self.episode % self.paths.len()]
     }
 }
 
 impl Agent for Scripted {
     fn observe(&mut self, _: &Percept) -> PredictionArray {
-        let letter = self.way().as_bytes()[self.step];
+        let letter = self.path().as_bytes()[self.step];
         let wanted = b"NESW".iter().position(|&l| l == letter).unwrap();
         let mut values = PredictionArray::new(4);
         for action in Action::all(4) {
@@ -60,7 +60,7 @@ impl Agent for Scripted {
     }
 
     fn step_threshold(&self) -> u32 {
-        self.way().len() as u32
+        self.path().len() as u32
     }
 
     fn values(&self, percept: &Percept) -> PredictionArray {

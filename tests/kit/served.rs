@@ -1,19 +1,19 @@
-//! `replay`, as a browser sees it.
+//! A client of the server of `replay`.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-/// Longer than any answer takes, even on a busy machine.
+/// A timeout that is longer than any response takes, even on a busy machine.
 pub const LONG: Duration = Duration::from_secs(60);
 
-/// A server that is killed at the latest when the test ends.
+/// A server that is killed when the test ends, if it is still running.
 pub struct Served {
     pub child: Child,
     pub lines: Vec<String>,
     pub port: u16,
-    /// What all addresses begin with: a slash and the word that nobody can guess.
+    /// The common prefix of all addresses: a slash and a random word.
     pub base: String,
 }
 
@@ -24,7 +24,7 @@ impl Served {
         Self::of(command)
     }
 
-    /// The server that a command starts.
+    /// Starts the server with a command.
     pub fn of(mut command: Command) -> Self {
         command.current_dir(env!("CARGO_MANIFEST_DIR"));
         let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
@@ -51,36 +51,36 @@ impl Served {
         }
     }
 
-    /// A connection that gives up reading after long enough.
+    /// Opens a connection with a read timeout.
     pub fn connect(&self) -> TcpStream {
         let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
         stream.set_read_timeout(Some(LONG)).unwrap();
         stream
     }
 
-    /// Sends these bytes; gives all that is answered, up to the end of the connection.
+    /// Sends bytes and returns the whole response until the connection is closed.
     pub fn say(&self, bytes: &[u8]) -> Vec<u8> {
         let mut stream = self.connect();
-        // The answer may come, and the connection end, before all is sent.
+        // The server may respond and close the connection before all bytes are sent.
         let _ = stream.write_all(bytes);
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);
         answer
     }
 
-    /// All that a request for a path behind the base is answered with, which may be nothing.
+    /// Returns the whole response to a request for a path below the base, which may be empty.
     pub fn ask_or_nothing(&self, path: &str) -> Vec<u8> {
         let (base, port) = (&self.base, self.port);
         self.say(format!("GET {base}{path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n").as_bytes())
     }
 
-    /// The status that these bytes are answered with.
+    /// Returns the status of the response to these bytes.
     pub fn status(&self, bytes: &[u8]) -> String {
         let answer = String::from_utf8_lossy(&self.say(bytes)).into_owned();
         answer.split(' ').nth(1).unwrap_or(&answer).to_owned()
     }
 
-    /// Sends a request for a path behind the base; gives the head of the answer and its body.
+    /// Sends a request for a path below the base. Returns the head and the body of the response.
     pub fn ask(&self, method: &str, path: &str, headers: &str) -> (String, Vec<u8>) {
         let (base, port) = (&self.base, self.port);
         let host = format!("Host: 127.0.0.1:{port}");

@@ -1,5 +1,5 @@
-//! Random moves of a robot that only senses, compared with what is true: for the test `sensing` and
-//! for the bench of the same name.
+//! Compares a robot that only senses with the ground truth during random moves, for the test
+//! `sensing` and the bench of the same name.
 
 #![allow(clippy::unwrap_used, reason = "a test ends there")]
 
@@ -11,31 +11,31 @@ use xcscr::world::Cell;
 use xcscr::xcs::Action;
 use xcscr::xcs::random::Stream;
 
-/// The cell in which the robot truly stands.
+/// Returns the true cell of the robot.
 pub fn true_cell(view: &View<'_>) -> Cell {
     let at: Point2<f64> = view.now().robot_in_map.translation.vector.into();
     view.maze.cell_at(at).unwrap()
 }
 
-/// Actions that chance chooses.
+/// Returns random actions.
 pub fn script(seed: u64, length: usize) -> impl Iterator<Item = Action> {
     let mut stream = Stream::new(seed, StreamName::Exploration);
     (0..length).map(move |_| Action::new(stream.below(4)).unwrap())
 }
 
-/// How often it went wrong, and by how much the robot was mistaken.
+/// The numbers of errors of the robot, and the sizes of its estimation errors.
 #[derive(Debug, Default)]
 pub struct Tally {
     pub moves: u32,
-    /// Physics steps.
+    /// The number of physics steps.
     pub steps: u64,
-    /// It stands in another cell than it should.
+    /// Moves after which the robot was in another cell than intended.
     pub wrong_cell: u32,
-    /// It says that something else happened: false and missed bumps, and time-outs.
+    /// Moves with a wrong outcome: false and missed collisions, and time-outs.
     pub wrong_outcome: u32,
-    /// It believes to stand in another cell than it does.
+    /// Moves after which the estimated cell was wrong.
     pub lost: u32,
-    /// Moves in which any of these happened.
+    /// Moves with any of these errors.
     pub wrong: u32,
     pub wrong_percepts: u32,
     pub error_cm: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Random moves; an observer puts a robot that is lost or in a goal back to the start.
+    /// Runs random moves. Resets the robot to the start if it is mislocalised or in a goal.
     pub fn of(arena: &mut PhysicsArena, seed: u64, moves: usize) -> Self {
         let mut tally = Self::default();
         for action in script(seed, moves) {
@@ -62,7 +62,7 @@ impl Tally {
         self.wrong_cell + self.wrong_outcome + self.lost
     }
 
-    /// One action, compared with what is true.
+    /// Runs one action and compares it with the ground truth.
     fn add(&mut self, arena: &mut PhysicsArena, action: Action) {
         let (maze, from) = (arena.view().maze, true_cell(&arena.view()));
         let wanted = maze.step(from, maze.direction(action).unwrap());
@@ -99,13 +99,13 @@ impl Tally {
     }
 }
 
-/// The number below which a share of the numbers lies.
+/// Returns a quantile of the numbers.
 pub fn quantile(numbers: &mut [f64], share: f64) -> f64 {
     numbers.sort_by(f64::total_cmp);
     numbers[((numbers.len() - 1) as f64 * share) as usize]
 }
 
-/// The mean of some numbers.
+/// Returns the mean of the numbers.
 pub fn mean(numbers: &[f64]) -> f64 {
     numbers.iter().sum::<f64>() / numbers.len() as f64
 }

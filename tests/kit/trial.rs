@@ -14,34 +14,34 @@ use xcscr::trial::Plan;
 use xcscr::world::Maze;
 use xcscr::xcs::random::Stream;
 
-/// A shipped world.
+/// Loads a bundled world.
 #[track_caller]
 pub fn maze(name: &str) -> Maze {
     let path = format!("{}/worlds/{name}.json", env!("CARGO_MANIFEST_DIR"));
     Maze::load(Path::new(&path)).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A trial of a method on the grid of a shipped world, on the percept `neighbours`.
+/// Returns a plan for a method on the grid of a bundled world, with the sensor `neighbours`.
 #[track_caller]
 pub fn on_the_grid(world: &str, method: Method) -> Plan {
     let plan = Plan::new(maze(world)).method(method);
     plan.arena(ArenaKind::Grid).sensor(Sensor::Neighbours)
 }
 
-/// The same plan, in which the learner takes the cell on a map for its state from the first step.
+/// Changes a plan so that the learner uses the cell on a map as its state from the first step.
 pub fn on_a_map(mut plan: Plan) -> Plan {
     plan.config.settings.plus.estimator = Estimator::Map;
     plan
 }
 
-/// A trial of so many episodes.
+/// A trial with a number of episodes.
 #[derive(Clone)]
 pub struct Trial {
     pub world: &'static str,
     pub seed: u64,
     pub episodes: u32,
     pub mode: RecordMode,
-    /// How often a step is taken by chance.
+    /// The probability of a random step.
     pub explore: f64,
     pub arena: &'static str,
 }
@@ -86,7 +86,7 @@ impl Trial {
         Method::Xcscr.build(actions, 0, Setup::default(), self.seed)
     }
 
-    /// Runs the trial; stops when the observer says so.
+    /// Runs the trial. Stops if the observer requests it.
     pub fn run(&self, method: &mut dyn Agent, observer: &mut dyn Observer) {
         let mut arena: Box<dyn Arena> = match self.arena {
             "grid" => Box::new(GridArena::new(self.maze())),
@@ -107,7 +107,7 @@ impl Trial {
         }
     }
 
-    /// A recorder for the trial.
+    /// Creates a recorder for the trial.
     pub fn recorder(&self, folder: &Path) -> Result<Recorder, RecordError> {
         Recorder::create(folder, &self.maze(), self.info(), self.mode)
     }
@@ -129,7 +129,7 @@ impl Trial {
     }
 }
 
-/// The recordings of a summary, read back.
+/// Reads the recordings of a summary.
 pub fn contents(files: &[PathBuf]) -> Vec<Vec<u8>> {
     files.iter().map(|file| fs::read(file).unwrap()).collect()
 }

@@ -117,20 +117,23 @@ fn a_message_that_breaks_its_schema_is_told_from_one_that_keeps_it() {
         (json!({"start_values": [1.0, 2]}), None),
         (
             json!({"generality": null}),
-            Some(".generality: null is no \"number\""),
+            Some(".generality: null is not \"number\""),
         ),
         (
             json!({"start_values": [1.0, null]}),
-            Some(".start_values[1]: null is no \"number\""),
+            Some(".start_values[1]: null is not \"number\""),
         ),
-        (json!({"steps": 1.5}), Some(".steps: 1.5 is no \"integer\"")),
+        (
+            json!({"steps": 1.5}),
+            Some(".steps: 1.5 is not \"integer\""),
+        ),
         (json!({"state": 2}), Some(".state: 2 is none of")),
         (
             json!({"optimal": "yes"}),
-            Some(".optimal: \"yes\" is no \"boolean\""),
+            Some(".optimal: \"yes\" is not \"boolean\""),
         ),
         (json!({"colour": 1}), Some(".colour is not in the schema")),
-        (json!([]), Some(": [] is no \"object\"")),
+        (json!([]), Some(": [] is not \"object\"")),
     ];
     for (message, expected) in faults {
         let found = fault(schema, &message);

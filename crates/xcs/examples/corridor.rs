@@ -1,7 +1,7 @@
-//! A corridor of eight cells, the smallest multistep problem: only the last door is rewarded, and
-//! every other step is worth what it leads to.
+//! A corridor of eight cells, the smallest multistep problem. Only the last door is rewarded. The
+//! value of every other step is the discounted value of the next cell.
 //!
-//! `cargo run -p xcs --example corridor` prints what going left and right is worth in each cell.
+//! `cargo run -p xcs --example corridor` prints the values of going left and right in each cell.
 
 use xcs::{Action, Environment, Params, Percept, Response, Runner};
 
@@ -13,7 +13,7 @@ struct Corridor {
     cell: u64,
 }
 
-/// Each cell has its number, in binary.
+/// Returns the cell's number in binary.
 fn seen_from(cell: u64) -> Percept {
     Percept::from_word(cell, 3)
 }
@@ -41,7 +41,7 @@ impl Environment for Corridor {
     }
 }
 
-/// A runner that has learned for 500 episodes.
+/// Returns a runner that has learned for 500 episodes.
 fn learned() -> Result<Runner<Corridor>, xcs::bounds::OutOfRange> {
     let mut runner = Runner::new(Corridor::default(), Params::default(), 1)?;
     for _ in 0..500 {
@@ -63,7 +63,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 #[test]
-fn the_shortest_way_out_is_learned() {
+fn the_shortest_path_is_learned() {
     let episode = learned().unwrap().test();
     assert!(
         episode.ended && u64::from(episode.steps) == CELLS,

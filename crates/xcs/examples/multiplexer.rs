@@ -1,8 +1,8 @@
-//! The 11-multiplexer, the classic single-step problem: three address bits choose one of eight
-//! data bits, and the right answer is that bit.
+//! The 11-multiplexer, the classic single-step problem. Three address bits select one of eight data
+//! bits, and the right answer is that bit.
 //!
-//! `cargo run --release -p xcs --example multiplexer` prints the share of right answers while it
-//! learns, and the rules with the highest numerosities at the end.
+//! `cargo run --release -p xcs --example multiplexer` prints the share of right answers during
+//! learning, and finally the rules with the highest numerosities.
 
 use xcs::random::Stream;
 use xcs::{Action, Classifier, Environment, Params, Percept, Response, Runner};
@@ -23,7 +23,7 @@ impl Multiplexer {
         }
     }
 
-    /// The data bit that the address bits point to.
+    /// Returns the data bit selected by the address bits.
     fn answer(&self) -> bool {
         let address =
             (0..ADDRESS_BITS).fold(0, |sum, at| 2 * sum + usize::from(self.input.bit(at)));
@@ -50,7 +50,8 @@ impl Environment for Multiplexer {
     }
 }
 
-/// Learns from 10,000 inputs; the runner and the share of right answers to 1,000 more.
+/// Learns from 10,000 inputs. Returns the runner and the share of right answers to 1,000 more
+/// inputs.
 fn learn(seed: u64) -> Result<(Runner<Multiplexer>, f64), xcs::bounds::OutOfRange> {
     let params = Params {
         population_size: 800,

@@ -1,5 +1,6 @@
-//! The real-valued 6-multiplexer (Wilson 2000): each input is a number from 0 to 1 that stands for 1
-//! from 0.5 on. Two address inputs choose one of four data inputs, and the right answer is that one.
+//! The real-valued 6-multiplexer (Wilson 2000). Each input is a number from 0 to 1; 0.5 and more
+//! stands for 1. Two address inputs select one of four data inputs, and the right answer is that
+//! input's bit.
 //!
 //! `cargo run --release -p xcs --example real_multiplexer` prints the share of right answers after
 //! learning, and the rules with the highest numerosities.
@@ -26,7 +27,7 @@ impl Multiplexer {
         }
     }
 
-    /// The data input that the address inputs point to.
+    /// Returns the data input selected by the address inputs.
     fn answer(&self) -> bool {
         let is_one = |at: usize| self.input[at] >= 0.5;
         let address = (0..ADDRESSES).fold(0, |sum, at| 2 * sum + usize::from(is_one(at)));
@@ -55,7 +56,8 @@ impl Environment<Intervals> for Multiplexer {
 
 type Learner = Runner<Multiplexer, Intervals>;
 
-/// Learns from 40,000 inputs; the runner and the share of right answers to 1,000 more.
+/// Learns from 40,000 inputs. Returns the runner and the share of right answers to 1,000 more
+/// inputs.
 fn learn(seed: u64, ga: bool) -> Result<(Learner, f64), xcs::bounds::OutOfRange> {
     let params = Params {
         population_size: 800,

@@ -1,4 +1,4 @@
-//! XCS as an agent, action by action.
+//! XCS as an agent, driven one action at a time.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,32 +11,32 @@ use crate::representation::Representation;
 use crate::sets::{ActionSet, MatchSet, SavedActionSet, SavedMatchSet};
 use crate::signal::Action;
 
-/// The fewest micro-classifiers for each action; with fewer, covering might never end.
+/// The fewest micro-classifiers per action. With fewer, covering might never end.
 const RULES_PER_ACTION: u32 = 4;
 
-/// Standard XCS for a caller that carries out the actions: `act`, then `update`, step by step.
+/// Standard XCS for a caller that carries out the actions: call `act`, then `update`, in each step.
 ///
 /// [`Runner`](crate::Runner) does this for an [`Environment`](crate::Environment). The same calls,
-/// parameters and seed give the same rules, on every machine.
+/// parameters and seed give the same rules on every machine.
 #[derive(Debug, Clone)]
 pub struct Agent<C: Representation = Condition> {
-    /// gamma: the discount factor of rewards, 0 to 1. Without effect in single-step problems. By
-    /// default 0.71, as in Butz and Wilson.
+    /// gamma: the discount factor of rewards, 0 to 1; 0.71 by default, as in Butz and Wilson. It
+    /// has no effect in single-step problems.
     pub gamma: f64,
-    /// p_explr: the probability with which a step of learning takes any action instead of one of
-    /// the best; 0 to 1. By default 0.5.
+    /// p_explr: the probability that a learning step takes a random action instead of one of the
+    /// best; 0 to 1. By default 0.5.
     pub exploration: f64,
     xcs: Xcs<C>,
     match_set: MatchSet<C>,
-    /// Was \[M\] formed by `update`, for the next call of `act`?
+    /// True if `update` formed \[M\] for the next call of `act`.
     is_formed: bool,
-    /// The action set that waits for its reward.
+    /// The action set waiting for its reward.
     waiting: Option<ActionSet<C>>,
     choices: Stream,
 }
 
-/// The state of an [`Agent`]. An agent with the same parameters continues from it exactly, also within
-/// an episode.
+/// The state of an [`Agent`]. An agent with the same parameters continues from it exactly, even
+/// within an episode.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "C: Representation")]
 pub struct AgentState<C: Representation = Condition> {
@@ -62,8 +62,8 @@ impl<C: Representation> Agent<C> {
     /// Creates an untrained agent for `actions` actions (1 to [`Representation::MAX_ACTIONS`]).
     ///
     /// # Errors
-    /// When a parameter, a setting or the number of actions lies outside its range, or when the
-    /// population has room for fewer than four micro-classifiers for each action.
+    /// Returns an error if a parameter, a setting or the number of actions is out of range. Also if
+    /// the population has room for fewer than four micro-classifiers per action.
     pub fn new(
         params: Params,
         settings: C::Settings,
@@ -88,7 +88,7 @@ impl<C: Representation> Agent<C> {
         })
     }
 
-    /// The learner.
+    /// Returns the learner.
     pub fn xcs(&self) -> &Xcs<C> {
         &self.xcs
     }
@@ -98,9 +98,9 @@ impl<C: Representation> Agent<C> {
         self.waiting.is_some()
     }
 
-    /// Forms \[M\], with covering, and chooses an action: any action with the probability
-    /// `exploration` if `explores`, and one of the best otherwise. An action that still waits for
-    /// its reward is forgotten.
+    /// Forms \[M\], with covering, and chooses an action. With `explores`, the action is random
+    /// with probability `exploration`; otherwise it is one of the best. Discards an action that is
+    /// still waiting for its reward.
     pub fn act(&mut self, percept: &C::Percept, explores: bool) -> Option<Action> {
         self.form_match_set(percept);
         let action = if explores && self.choices.chance(self.exploration) {
@@ -114,8 +114,8 @@ impl<C: Representation> Agent<C> {
         action
     }
 
-    /// Forms \[M\], with covering, and takes the given action, as if `act` had chosen it. Does nothing
-    /// for an action that the agent does not have.
+    /// Forms \[M\], with covering, and takes the given action as if `act` had chosen it. Does
+    /// nothing if the agent does not have the action.
     pub fn take(&mut self, percept: &C::Percept, action: Action) {
         if action.index() < self.xcs.actions() {
             self.form_match_set(percept);
@@ -130,9 +130,9 @@ impl<C: Representation> Agent<C> {
         self.is_formed = false;
     }
 
-    /// Updates the action set of the last action with its reward and gamma times the greatest value
-    /// of the next percept, and runs the GA in it. `next` is `None` where the episode ended. Does
-    /// nothing when no action waits for its reward.
+    /// Updates the last action set with its reward plus gamma times the greatest value of the next
+    /// percept, and runs the GA in it. `next` is `None` at the end of an episode. Does nothing if
+    /// no action is waiting for its reward.
     pub fn update(&mut self, reward: f64, next: Option<&C::Percept>) {
         let Some(set) = self.waiting.take() else {
             return;
@@ -149,14 +149,14 @@ impl<C: Representation> Agent<C> {
         self.xcs.evolve(&set);
     }
 
-    /// Forgets the action that waits for its reward, and the percept after it.
+    /// Discards the action waiting for its reward, and the percept after it.
     pub fn end_episode(&mut self) {
         self.waiting = None;
         self.is_formed = false;
     }
 
-    /// Returns one of the best actions and learns nothing; `None` where no rule matches. Draws a
-    /// random number where several actions are best.
+    /// Returns one of the best actions without learning; `None` if no rule matches. Draws a random
+    /// number if several actions are best.
     pub fn best_action(&mut self, percept: &C::Percept) -> Option<Action> {
         let sums = self.xcs.population().sums(percept);
         let values = |action| sums.value(action, self.over_match_set());
@@ -204,7 +204,7 @@ impl<C: Representation> Agent<C> {
     }
 }
 
-/// Returns all of `actions` actions that attain the greatest value.
+/// Returns all of `actions` actions with the greatest value.
 fn best_of(actions: usize, value: impl Fn(Action) -> Option<f64>) -> Vec<Action> {
     let all = Action::wide_all(actions);
     let greatest = all.clone().filter_map(&value).reduce(f64::max);
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn a_restored_agent_goes_on_to_the_bit_within_an_episode() {
+    fn a_restored_agent_continues_bit_for_bit_within_an_episode() {
         let mut agent: Agent<Intervals> = agent(12, IntervalSettings::default());
         let percept = |at: usize| RealPercept::new(&[(at % 7) as f64 / 6.0, 0.5]).unwrap();
         let step = |agent: &mut Agent<Intervals>, at: usize| {

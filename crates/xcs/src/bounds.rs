@@ -1,23 +1,23 @@
-//! Settings, each declared once: name, default, range and what it is for.
+//! Declarations of settings: name, default, range and description, each stated once.
 //!
-//! [`settings!`](crate::settings) makes of a declaration the struct, its defaults, its check with
-//! one message for all settings, and the list from which documentation is made.
+//! The macro [`settings!`](crate::settings) generates the struct, its defaults, its range check and
+//! the list that the documentation is generated from.
 
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// What is declared of a setting.
+/// The declaration of a setting.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Setting {
     /// Its full name, such as `xcs.beta`.
     pub key: &'static str,
-    /// What it is, its unit, its source, and what goes wrong at the extremes.
+    /// The description: meaning, unit, source, and the problems at the extremes.
     pub about: &'static str,
     /// The allowed range in words; `None` for switches and names.
     pub range: Option<String>,
 }
 
-/// A setting whose value lies outside its range.
+/// A setting whose value is out of range.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("`{key}` is {value}, but must be {allowed}")]
 pub struct OutOfRange {
@@ -29,10 +29,10 @@ pub struct OutOfRange {
     pub allowed: String,
 }
 
-/// Accepts `value` when it lies in `range`; NaN never does.
+/// Checks that `value` is in `range`; NaN never is.
 ///
 /// # Errors
-/// [`OutOfRange`] with the key, the value and the range.
+/// Returns [`OutOfRange`] with the key, the value and the range.
 pub fn within<T: PartialOrd + fmt::Display>(
     key: &'static str,
     value: T,
@@ -48,13 +48,13 @@ pub fn within<T: PartialOrd + fmt::Display>(
     })
 }
 
-/// A range as messages give it.
+/// Returns a range in the form used in messages.
 pub fn in_words<T: fmt::Display>(range: &RangeInclusive<T>) -> String {
     format!("from {} to {}", range.start(), range.end())
 }
 
-/// Declares settings: the struct, its defaults, `check`, which accepts it when each setting lies in
-/// its range, and `declared`, which lists them.
+/// Declares settings. Generates the struct, its defaults, `check`, which checks the range of each
+/// setting, and `declared`, which lists the settings.
 ///
 /// ```
 /// xcs::settings! {
@@ -64,7 +64,7 @@ pub fn in_words<T: fmt::Display>(range: &RangeInclusive<T>) -> String {
 ///     pub struct Kettle {
 ///         /// The temperature at which it stops, in degrees Celsius.
 ///         limit_c: f64 = 100.0, in 40.0..=100.0;
-///         /// Does it whistle?
+///         /// Whether it whistles.
 ///         whistles: bool = true;
 ///     }
 /// }
@@ -75,8 +75,8 @@ pub fn in_words<T: fmt::Display>(range: &RangeInclusive<T>) -> String {
 /// assert_eq!(Kettle::declared()[1].key, "kettle.whistles");
 /// ```
 ///
-/// `also name;` after the section names a method `fn(&self) -> Result<(), OutOfRange>` that checks
-/// what no range says. The crate that declares needs `serde` with its derive macros.
+/// `also name;` after the section names a method `fn(&self) -> Result<(), OutOfRange>` for checks
+/// that ranges cannot express. The declaring crate needs `serde` with its derive macros.
 #[macro_export]
 macro_rules! settings {
     (
@@ -111,10 +111,10 @@ macro_rules! settings {
         }
 
         impl $name {
-            /// Accepts the settings when each lies in its range.
+            /// Checks that each setting is within its range.
             ///
             /// # Errors
-            /// The first setting that does not, with its range.
+            /// Returns the first setting out of its range, with the range.
             pub fn check(&self) -> Result<(), $crate::bounds::OutOfRange> {
                 $($(
                     let key = concat!($section, ".", stringify!($field));
@@ -124,7 +124,7 @@ macro_rules! settings {
                 Ok(())
             }
 
-            /// What is declared of each setting.
+            /// Returns the declaration of each setting.
             pub fn declared() -> Vec<$crate::bounds::Setting> {
                 vec![$(
                     $crate::bounds::Setting {
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn not_a_number_lies_in_no_range() {
+    fn nan_is_in_no_range() {
         assert!(within("x", f64::NAN, f64::MIN..=f64::MAX).is_err());
         assert!(within("x", f64::INFINITY, 0.0..=1e9).is_err());
     }

@@ -1,4 +1,4 @@
-//! A rule: condition, action, and what is known of them.
+//! A rule: its condition, action and statistics.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,45 +7,47 @@ use super::params::Params;
 use super::representation::Representation;
 use crate::signal::Action;
 
-/// A macro-classifier: `numerosity` identical rules that share their figures.
+/// A macro-classifier: `numerosity` identical rules with shared statistics.
 ///
-/// The condition comes first, and what a learning step needs lies together behind it.
+/// The fields that a learning step needs are stored together, after the condition.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, bound = "C: Representation")]
 pub struct Classifier<C = Condition> {
-    /// Which percepts it matches.
+    /// The condition that decides which percepts the rule matches.
     pub condition: C,
-    /// What it advocates.
+    /// The advocated action.
     #[serde(deserialize_with = "Action::read::<C, _>")]
     pub action: Action,
     /// p: the expected payoff.
     pub prediction: f64,
     /// epsilon: the mean deviation of the payoff from the prediction.
     pub error: f64,
-    /// F: accuracy relative to the action sets it took part in, of all `numerosity` together.
+    /// F: accuracy relative to the action sets the rule took part in, summed over all `numerosity`
+    /// micro-classifiers.
     pub fitness: f64,
-    /// num: the micro-classifiers it stands for; at least 1.
+    /// num: the number of micro-classifiers; at least 1.
     pub numerosity: u32,
-    /// exp: how often it was updated; stops counting at the greatest number.
+    /// exp: the number of updates, saturating.
     pub experience: u32,
-    /// ts: the step of the last run of the GA in a set it belonged to.
+    /// ts: the step of the last GA run in a set that contained the rule.
     pub time_stamp: u64,
-    /// as: the mean number of micro-classifiers in the action sets it took part in.
+    /// as: the mean number of micro-classifiers in the action sets the rule took part in.
     pub set_size: f64,
-    /// eam: how many actions its niche needs, in XCSAM: from 1, where its action is the best, to
-    /// the number of actions, where it is not. 1 in all other methods. Files of rules leave it
-    /// out, because what is best in one world is not in another; memories of learners hold it.
+    /// eam: the number of actions that the rule's niche needs in XCSAM. It ranges from 1, where the
+    /// rule's action is the best, to the number of actions, where it is not. It is 1 in all other
+    /// methods. Rule files omit it, because the best action in one world may not be the best in
+    /// another. Checkpoints contain it.
     #[serde(skip, default = "no_mapping")]
     pub eam: f32,
 }
 
-/// eam where the mapping does not adapt.
+/// The eam without an adaptive mapping.
 fn no_mapping() -> f32 {
     1.0
 }
 
 impl<C: Representation> Classifier<C> {
-    /// A covering rule, which knows nothing yet.
+    /// Creates a covering rule without experience.
     pub fn new(condition: C, action: Action, time: u64, params: &Params) -> Self {
         Self {
             condition,
@@ -61,8 +63,8 @@ impl<C: Representation> Classifier<C> {
         }
     }
 
-    /// kappa, the accuracy (Eq. 3 of the paper misses alpha and the sign of nu; this is Butz and
-    /// Wilson's form): 1 up to epsilon_0, then `alpha (epsilon / epsilon_0)^-nu`.
+    /// Returns kappa, the accuracy: 1 up to epsilon_0, then `alpha (epsilon / epsilon_0)^-nu`. Eq.
+    /// 3 of the paper lacks alpha and the sign of nu; this is Butz and Wilson's form.
     pub fn accuracy(&self, params: &Params) -> f64 {
         if self.error <= params.epsilon_0 {
             return 1.0;
@@ -71,12 +73,13 @@ impl<C: Representation> Classifier<C> {
         params.alpha * (0..params.nu).fold(1.0, |power, _| power * ratio)
     }
 
-    /// Is it experienced and accurate enough to subsume others?
+    /// Returns true if the rule is experienced and accurate enough to subsume others.
     pub fn could_subsume(&self, params: &Params) -> bool {
         self.experience > params.theta_sub && self.error < params.epsilon_0
     }
 
-    /// Does it make `other` superfluous: same action, more general, and able to subsume?
+    /// Returns true if the rule makes `other` redundant: same action, more general, and able to
+    /// subsume.
     pub fn subsumes(&self, other: &Self, params: &Params) -> bool {
         self.action == other.action
             && self.could_subsume(params)

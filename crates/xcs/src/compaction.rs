@@ -1,11 +1,10 @@
-//! Condensing \[P\]: few general rules that decide as all of them do.
+//! Compaction of \[P\] into a few general rules that choose the same actions.
 //!
-//! Once payoffs are known, most rules never decide anything, and many say the same of percepts
-//! that differ only where it does not matter. What is made here is a set of rules of which each
-//! advocates, wherever it matches, an action that \[P\] rates best. Removing rules that never
-//! decide and subsuming others cannot make more general rules than \[P\] holds; therefore
-//! conditions are grown anew from the percepts, as general as that allows, and the fewest are kept
-//! that cover every percept.
+//! Once payoffs are known, most rules never decide anything, and many state the same for percepts
+//! that differ only in irrelevant bits. Compaction creates rules that each advocate, wherever they
+//! match, an action that \[P\] rates best. Deleting or subsuming rules cannot make more general
+//! rules than \[P\] contains. Conditions are therefore grown anew from the percepts, as general as
+//! possible, and the smallest set found that covers every percept is returned.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -18,18 +17,18 @@ use super::population::Population;
 use super::prediction::PredictionArray;
 use crate::signal::{Action, Percept};
 
-/// Conditions that are kept while they grow.
+/// The beam width: conditions retained in each step of growing.
 const WIDEST_STAR: usize = 8;
-/// Rules with which choosing is begun; the best choice is kept.
+/// The number of rules tried as the first choice of the cover.
 const BEGINNINGS: usize = 32;
 
-/// The compacted rules of `population`, in the order in which they were chosen: those that cover
-/// the most percepts first. In each of `percepts` where any action has a `values`, every action they
-/// advocate is one of the greatest value, and there is one. Percepts may repeat; all are of the
-/// same width.
+/// Returns compacted rules of `population`, those that cover the most percepts first.
 ///
-/// A rule predicts the mean value of its action where it matches; its error is the mean deviation
-/// from that, its experience the greatest of the rules that it takes over.
+/// The rules cover each of `percepts` in which `values` gives any action a value. Every action that
+/// they advocate there has the greatest value. Percepts may repeat; all have the same width.
+///
+/// A rule's prediction is the mean value of its action where it matches, and its error is the mean
+/// deviation from that. Its experience is the greatest of the rules that it replaces.
 pub fn compact(
     population: &Population,
     percepts: &[Percept],
@@ -43,32 +42,32 @@ pub fn compact(
         .expect("rules of one width, none of them twice")
 }
 
-/// What has to be preserved.
+/// The decisions to preserve.
 struct Task<'a> {
     population: &'a Population,
-    /// The percepts of which the population says something, each once, with the value of actions.
+    /// The percepts in which the population gives any action a value, each once, with the values.
     known: Vec<(Percept, PredictionArray)>,
-    /// By action: the known percepts in which it is one of the best.
+    /// By action: the known percepts in which the action is one of the best.
     right: Vec<FixedBitSet>,
-    /// By allele: the known percepts in which it is 1.
+    /// By allele: the known percepts in which the allele is 1.
     ones: Vec<FixedBitSet>,
 }
 
-/// A rule that could be kept.
+/// A candidate for the compacted rules.
 #[derive(Clone)]
 struct Candidate {
     condition: Condition,
     action: Action,
-    /// The known percepts that it matches.
+    /// The known percepts that the rule matches.
     covers: FixedBitSet,
 }
 
-/// A condition in the making.
+/// A partially grown condition.
 #[derive(Clone)]
 struct Partial {
-    /// The alleles that it demands, in order.
+    /// The required alleles, in ascending order.
     alleles: Vec<usize>,
-    /// The known percepts that it matches.
+    /// The known percepts that the condition matches.
     covers: FixedBitSet,
 }
 
@@ -107,7 +106,7 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// For each known percept and best action, the rules grown from it.
+    /// Grows rules from each known percept and each of its best actions.
     fn candidates(&self) -> Vec<Candidate> {
         let mut candidates: Vec<Candidate> = Vec::new();
         for (at, (_, values)) in self.known.iter().enumerate() {
@@ -121,10 +120,9 @@ impl<'a> Task<'a> {
         candidates
     }
 
-    /// Conditions that demand of percept number `at` what keeps them from matching where `action`
-    /// is not best: one wrong percept after the other is ruled out, in every way there is, and the
-    /// conditions that match the most right ones are kept (the star of the AQ algorithm,
-    /// Michalski 1969).
+    /// Grows conditions from percept number `at` that do not match where `action` is not the best.
+    /// One wrong percept after the other is excluded in every possible way. The conditions that
+    /// match the most correct percepts are retained (the star of the AQ algorithm, Michalski 1969).
     fn star(&self, at: usize, action: Action) -> Vec<Partial> {
         let right = &self.right[action.index()];
         let mut star = vec![self.everything()];
@@ -154,8 +152,8 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// All ways to keep a condition from matching the first wrong percept by one allele more of
-    /// percept number `at`; the condition itself if it matches none.
+    /// Returns all specialisations of a condition by one allele of percept number `at` that exclude
+    /// the first wrong percept. Returns the condition itself if it matches no wrong percept.
     fn ruling_out_one(&self, one: &Partial, at: usize, right: &FixedBitSet) -> Vec<Partial> {
         let Some(wrong) = one.covers.difference(right).next() else {
             return vec![one.clone()];
@@ -173,7 +171,7 @@ impl<'a> Task<'a> {
         (0..self.ones.len()).filter(differs).map(with).collect()
     }
 
-    /// Drops each allele that later ones made needless.
+    /// Drops each allele that later alleles made unnecessary.
     fn without_needless(&self, at: usize, action: Action, mut alleles: Vec<usize>) -> Candidate {
         let right = &self.right[action.index()];
         for place in (0..alleles.len()).rev() {
@@ -189,14 +187,14 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// The known percepts that agree with percept number `at` in some alleles.
+    /// Returns the known percepts that agree with percept number `at` in these alleles.
     fn matching(&self, at: usize, alleles: &[usize]) -> FixedBitSet {
         let all = self.everything().covers;
         let narrow = |covers, &allele: &usize| self.narrowed(at, allele, &covers);
         alleles.iter().fold(all, narrow)
     }
 
-    /// Those of some percepts that agree with percept number `at` in an allele.
+    /// Returns the percepts in `covers` that agree with percept number `at` in an allele.
     fn narrowed(&self, at: usize, allele: usize, covers: &FixedBitSet) -> FixedBitSet {
         let mut covers = covers.clone();
         match self.ones[allele].contains(at) {
@@ -206,7 +204,7 @@ impl<'a> Task<'a> {
         covers
     }
 
-    /// The rule with its figures, from those that it takes over.
+    /// Returns the rule with its statistics, computed from the rules that it replaces.
     fn classifier(&self, one: &Candidate) -> Classifier {
         let values = |at: usize| self.known[at].1.get(one.action).unwrap_or(0.0);
         let count = one.covers.count_ones(..).max(1) as f64;
@@ -233,8 +231,8 @@ impl<'a> Task<'a> {
     }
 }
 
-/// The fewest candidates found that cover all of `count` percepts, by beginning with each of those
-/// that cover the most.
+/// Returns the smallest set of candidates found that covers all of `count` percepts. Tries each of
+/// the candidates that cover the most percepts as the first choice.
 fn fewest(mut candidates: Vec<Candidate>, count: usize) -> Vec<Candidate> {
     candidates.sort_by_cached_key(|one| {
         let covered = one.covers.count_ones(..);
@@ -246,11 +244,12 @@ fn fewest(mut candidates: Vec<Candidate>, count: usize) -> Vec<Candidate> {
     choices.min_by_key(Vec::len).unwrap_or_default()
 }
 
-/// Chooses `first`, then each time the first candidate that covers the most percepts not yet
-/// covered, until all of `count` percepts are.
+/// Chooses `first`, then repeatedly the first candidate that covers the most uncovered percepts,
+/// until all of `count` percepts are covered.
 ///
-/// What a candidate adds never grows while others are chosen. So a queue ordered by what each added when it
-/// was last counted needs to count only the candidate at its head again (lazy greedy cover, Minoux 1978).
+/// The gain of a candidate never grows while others are chosen. A queue ordered by the last
+/// computed gain therefore recomputes only the candidate at its head (lazy greedy cover, Minoux
+/// 1978).
 fn cover(first: &Candidate, candidates: &[Candidate], count: usize) -> Vec<Candidate> {
     let mut open = FixedBitSet::with_capacity(count);
     open.insert_range(..);
@@ -271,7 +270,7 @@ fn cover(first: &Candidate, candidates: &[Candidate], count: usize) -> Vec<Candi
     chosen
 }
 
-/// Removes rules whose percepts the others cover, the last chosen first.
+/// Removes rules whose percepts are covered by the others, the last chosen first.
 fn without_redundant(mut chosen: Vec<Candidate>, count: usize) -> Vec<Candidate> {
     let mut times_covered = vec![0_u32; count];
     for percept in chosen.iter().flat_map(|one| one.covers.ones()) {
@@ -326,7 +325,7 @@ mod tests {
         values.best_actions().map(Action::index).collect()
     }
 
-    /// The compacted rules, and how many percepts they were compacted for.
+    /// Compacts a population for some percepts.
     fn compacted(population: &Population, percepts: &[Percept]) -> Population {
         compact(population, percepts, |p| population.sums(p).array(3, false))
     }
@@ -360,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_made_of_nothing() {
+    fn without_known_percepts_there_are_no_rules() {
         assert!(compacted(&Population::default(), &all_percepts(3)).is_empty());
         let rules = population(&[("111".into(), 0, 1.0)]);
         assert!(compacted(&rules, &["000".parse().unwrap()]).is_empty());
@@ -368,10 +367,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn condensed_rules_choose_what_all_rules_choose_in_every_percept(
+        fn compacted_rules_choose_what_all_rules_choose_in_every_percept(
             rules in prop::collection::vec(("[01#]{5}", 0_usize..3, -1_i32..2), 0..40),
         ) {
-            // Few different predictions, so that there are ties.
+            // Few distinct predictions, so that ties occur.
             let rules: Vec<_> =
                 rules.into_iter().map(|(c, a, p)| (c, a, f64::from(p))).collect();
             let full = population(&rules);

@@ -1,4 +1,4 @@
-//! Ternary conditions: which percepts a rule matches.
+//! Ternary conditions on percepts.
 
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -13,8 +13,8 @@ type Words = [u64; PERCEPT_WORDS];
 
 /// A ternary string as wide as the percepts: `0`, `1`, or `#` for don't-care.
 ///
-/// Stored as the bits that must agree (`care`) and the values they must have (`value`, zero where
-/// nothing is demanded), so that equal conditions are equal word by word.
+/// Stored as two bit masks: the bits that must agree (`care`) and their values (`value`). `value`
+/// is zero at don't-cares, so equal conditions are equal word by word.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Condition {
@@ -24,7 +24,7 @@ pub struct Condition {
 }
 
 impl Condition {
-    /// The condition that matches this percept only.
+    /// Creates the condition that matches only this percept.
     pub fn exactly(percept: &Percept) -> Self {
         let width = percept.width();
         Self {
@@ -34,7 +34,8 @@ impl Condition {
         }
     }
 
-    /// Covering: matches the percept, each allele a don't-care with probability `dont_care`.
+    /// Covering: returns a condition that matches the percept. Each allele is a don't-care with
+    /// probability `dont_care`.
     pub fn covering(percept: &Percept, dont_care: f64, stream: &mut Stream) -> Self {
         let mut condition = Self::exactly(percept);
         for bit in 0..percept.width() {
@@ -45,8 +46,8 @@ impl Condition {
         condition
     }
 
-    /// The condition that demands of these alleles what they are in the percept, and nothing of
-    /// the others. Alleles beyond the width are ignored.
+    /// Creates a condition that requires the percept's value at these alleles and has don't-cares
+    /// elsewhere. Alleles beyond the width are ignored.
     pub fn of_alleles(percept: &Percept, alleles: impl IntoIterator<Item = usize>) -> Self {
         let mut condition = Self {
             value: [0; PERCEPT_WORDS],
@@ -62,30 +63,30 @@ impl Condition {
         condition
     }
 
-    /// The same condition, which demands this value of one more allele.
+    /// Returns the condition with this value required at one more allele.
     pub(super) fn demanding(mut self, allele: usize, value: bool) -> Self {
         self.set(allele, value);
         self
     }
 
-    /// The number of alleles.
+    /// Returns the number of alleles.
     pub fn width(&self) -> usize {
         usize::from(self.width)
     }
 
-    /// The value that allele `bit` demands; `None` for a don't-care.
+    /// Returns the value required by allele `bit`; `None` for a don't-care.
     pub fn allele(&self, bit: usize) -> Option<bool> {
         let at = |words: &Words| words[bit / 64] >> (bit % 64) & 1 == 1;
         at(&self.care).then(|| at(&self.value))
     }
 
-    /// The alleles of the machine word in which `bit` lies, from there on: which of them are no
-    /// don't-care, and their values.
+    /// Returns the alleles from `bit` to the end of its machine word: a mask of the specified
+    /// alleles, and their values.
     pub(super) fn words_of(&self, bit: usize) -> [u64; 2] {
         [self.care, self.value].map(|words| words[bit / 64] >> (bit % 64))
     }
 
-    /// The number of alleles that are no don't-care.
+    /// Returns the number of alleles that are not don't-cares.
     pub fn specificity(&self) -> usize {
         self.care
             .iter()
@@ -93,13 +94,13 @@ impl Condition {
             .sum()
     }
 
-    /// Does the condition match a percept of the same width?
+    /// Returns true if the condition matches a percept of the same width.
     pub fn matches(&self, percept: &Percept) -> bool {
         let words = self.value.iter().zip(&self.care).zip(percept.words());
         words.fold(0, |wrong, ((value, care), p)| wrong | ((value ^ p) & care)) == 0
     }
 
-    /// Does this condition match everything that `other` matches, and more?
+    /// Returns true if this condition matches everything that `other` matches, and more.
     pub fn is_more_general_than(&self, other: &Self) -> bool {
         self.care != other.care
             && (0..PERCEPT_WORDS).all(|word| {
@@ -117,8 +118,8 @@ impl Condition {
         }
     }
 
-    /// Niche mutation: each allele flips with probability `mu` between don't-care and the value
-    /// of the percept, which stays matched.
+    /// Niche mutation: flips each allele with probability `mu` between don't-care and the percept's
+    /// value, so the condition still matches the percept.
     pub fn mutate(&mut self, percept: &Percept, mu: f64, stream: &mut Stream) {
         for bit in 0..self.width() {
             if !stream.chance(mu) {
@@ -141,7 +142,7 @@ impl Condition {
     }
 }
 
-/// The bits of machine word number `word` that belong to alleles `from..to`.
+/// Returns the bits of machine word number `word` that belong to alleles `from..to`.
 fn bits_between(word: usize, from: usize, to: usize) -> u64 {
     let below = |end: usize| match end.saturating_sub(64 * word) {
         bits @ 0..64 => (1 << bits) - 1,
@@ -156,7 +157,7 @@ fn exchange_bits(a: &mut u64, b: &mut u64, mask: u64) {
     *b ^= difference;
 }
 
-/// Over the words in use only: the others are zero in all conditions of the same width.
+/// Hashes only the words in use. The others are zero in all conditions of the same width.
 impl Hash for Condition {
     fn hash<H: Hasher>(&self, state: &mut H) {
         let words = self.value.iter().zip(&self.care);
@@ -185,7 +186,7 @@ impl fmt::Debug for Condition {
     }
 }
 
-/// A text that is no condition.
+/// A text that is not a valid condition.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is not a condition: expected at most {MAX_PERCEPT_BITS} characters, each 0, 1 or #")]
 pub struct ConditionError(String);
@@ -203,9 +204,9 @@ impl FromStr for Condition {
             care: [0; PERCEPT_WORDS],
             width: text.len() as u16,
         };
-        for (bit, letter) in text.bytes().enumerate() {
-            match letter {
-                b'0' | b'1' => condition.set(bit, letter == b'1'),
+        for (bit, symbol) in text.bytes().enumerate() {
+            match symbol {
+                b'0' | b'1' => condition.set(bit, symbol == b'1'),
                 b'#' => {}
                 _ => return Err(error()),
             }
@@ -282,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn covering_wants_the_percept_and_its_share_of_dont_cares() {
+    fn covering_matches_the_percept_with_the_given_share_of_dont_cares() {
         let mut stream = Stream::new(1, 0_u64);
         let percept: Percept = "01".repeat(128).parse().unwrap();
         let cover = Condition::covering(&percept, 0.25, &mut stream);

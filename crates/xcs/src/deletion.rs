@@ -1,23 +1,24 @@
-//! Deletion votes, kept up to date in blocks so that a deletion need not look at every rule.
+//! Deletion votes, cached in blocks so that a deletion does not visit every rule.
 
 use super::classifier::Classifier;
 use super::params::Params;
 
-/// Rules per block. Small, because a learning step changes
-/// rules all over the population, and each change costs summing up its block again.
+/// Rules per block. Blocks are small, because a learning step changes rules throughout the
+/// population, and each change requires summing its block again.
 const BLOCK: usize = 8;
-/// Blocks per group. The roulette looks at groups first, and into those only that changed.
+/// Blocks per group. The roulette visits groups first, and recomputes only groups that changed.
 const GROUP: usize = 8;
 
 const _: () = assert!(BLOCK * GROUP == 64, "one bit of `Group::dirty` per rule");
 
 /// Cached deletion votes of \[P\] and their sums, by position.
 ///
-/// A rule's vote is `as * num * eam`, where eam is 1 outside XCSAM; an experienced rule whose mean
-/// fitness `F / num` lies below the cut `delta * mean F` is unfit, and its vote is raised by
-/// `mean F / (F / num)` (Butz and Wilson 2001, DELETION VOTE). All cached figures are pure
-/// functions of the rules in a block and of which of them are unfit, so they carry no rounding
-/// errors from one step to the next.
+/// A rule's vote is `as * num * eam`, where eam is 1 outside XCSAM. An experienced rule whose mean
+/// fitness `F / num` is below the cut `delta * mean F` is unfit. Its vote is raised by
+/// `mean F / (F / num)` (Butz and Wilson 2001, DELETION VOTE).
+///
+/// All cached values are pure functions of the rules in a block and of which of them are unfit.
+/// Rounding errors therefore do not accumulate from step to step.
 #[derive(Debug, Clone, Default)]
 pub(super) struct DeletionVotes {
     groups: Vec<Group>,
@@ -25,14 +26,14 @@ pub(super) struct DeletionVotes {
 
 #[derive(Debug, Clone)]
 struct Group {
-    /// One bit per rule that was added, changed or removed.
+    /// One bit per rule that was added, changed or removed since the last refresh.
     dirty: u64,
     sums: Sums,
     blocks: [Sums; GROUP],
     votes: [[WeightedRule; BLOCK]; GROUP],
 }
 
-/// What is known of several rules together.
+/// Sums over several rules.
 #[derive(Debug, Clone, Copy)]
 struct Sums {
     fitness: f64,
@@ -40,9 +41,9 @@ struct Sums {
     plain: f64,
     /// The votes of the unfit rules, before multiplication by the mean fitness.
     raised: f64,
-    /// The sums of votes hold for cuts above this, and
+    /// The sums of votes are valid for cuts above this value,
     cut_above: f64,
-    /// up to this.
+    /// up to and including this value.
     cut_up_to: f64,
 }
 
@@ -54,15 +55,15 @@ const NO_RULES: Sums = Sums {
     cut_up_to: f64::INFINITY,
 };
 
-/// What is known of one rule; where there is none, nothing votes.
+/// The cached values of one rule. An empty position has no vote.
 #[derive(Debug, Clone, Copy)]
 struct WeightedRule {
     fitness: f64,
-    /// `F / num` of an experienced rule; infinite for others, which are never unfit.
+    /// `F / num` of an experienced rule; infinite for other rules, which are never unfit.
     mean: f64,
     /// `as * num * eam`.
     plain: f64,
-    /// `as * num * eam / (F / num)`, still to be multiplied by the mean fitness.
+    /// `as * num * eam / (F / num)`, without the factor of the mean fitness.
     raised: f64,
 }
 
@@ -81,7 +82,7 @@ const EMPTY: Group = Group {
 };
 
 impl DeletionVotes {
-    /// Notes that the rule at `position` was added, changed or removed.
+    /// Marks the rule at `position` as added, changed or removed.
     #[inline]
     pub fn touch(&mut self, position: usize) {
         let group = position / (BLOCK * GROUP);
@@ -91,8 +92,8 @@ impl DeletionVotes {
         self.groups[group].dirty |= 1 << (position % (BLOCK * GROUP));
     }
 
-    /// The position of the rule on which a roulette ball at `ball` (in `[0, 1)`) comes to rest.
-    /// There is at least one rule.
+    /// Returns the position of the rule selected by a roulette ball at `ball` (in `[0, 1)`).
+    /// Requires at least one rule.
     pub fn roulette<C>(
         &mut self,
         rules: &[Classifier<C>],
@@ -123,8 +124,8 @@ impl DeletionVotes {
     }
 }
 
-/// The number of the vote at which `left` is used up, or of the last one; what was left before it
-/// stays in `left`.
+/// Returns the index of the vote that exhausts `left`, or of the last vote. `left` is reduced by
+/// all votes before it.
 fn stop(votes: impl Iterator<Item = f64>, left: &mut f64) -> usize {
     let mut last = 0;
     for (at, vote) in votes.enumerate() {
@@ -138,7 +139,7 @@ fn stop(votes: impl Iterator<Item = f64>, left: &mut f64) -> usize {
 }
 
 impl Group {
-    /// Looks at the rules that changed; `rules` are those of the group.
+    /// Updates the rules that changed. `rules` are the rules of the group.
     fn refresh<C>(&mut self, rules: &[Classifier<C>], params: &Params) {
         while self.dirty != 0 {
             let at = self.dirty.trailing_zeros() as usize;
@@ -156,7 +157,7 @@ impl Group {
         self.sums.invalidate();
     }
 
-    /// Sums up the votes under a cut, in those blocks where the sums do not hold.
+    /// Sums the votes for a cut, in the blocks whose sums are invalid for it.
     fn sum_votes(&mut self, cut: f64) {
         let mut all = Sums {
             fitness: self.sums.fitness,
@@ -173,7 +174,7 @@ impl Group {
         self.sums = all;
     }
 
-    /// Walks along the votes until `left` is used up.
+    /// Returns the position of the vote that exhausts `left`.
     fn walk(&self, cut: f64, mean_fitness: f64, mut left: f64) -> usize {
         let blocks = self.blocks.iter().map(|block| block.votes(mean_fitness));
         let block = stop(blocks, &mut left);
@@ -201,14 +202,14 @@ impl Sums {
         self.cut_above < self.cut_up_to
     }
 
-    /// From now on the sums of votes hold for no cut.
+    /// Marks the sums of votes as valid for no cut.
     fn invalidate(&mut self) {
         (self.cut_above, self.cut_up_to) = (f64::INFINITY, f64::NEG_INFINITY);
     }
 
-    /// From now on the sums of votes hold at most for cuts above the first and up to the second.
+    /// Restricts the validity of the sums of votes to cuts above `above` and up to `up_to`.
     fn narrow(&mut self, above: f64, up_to: f64) {
-        // Not `max` and `min`, which care for NaN and take twice as long.
+        // Not `max` and `min`, which handle NaN and take twice as long.
         if above > self.cut_above {
             self.cut_above = above;
         }
@@ -217,7 +218,7 @@ impl Sums {
         }
     }
 
-    /// Sums up the votes of a block under a cut.
+    /// Sums the votes of a block for a cut.
     fn sum_votes(&mut self, votes: &[WeightedRule; BLOCK], cut: f64) {
         let fitness = self.fitness;
         *self = Self {
@@ -268,7 +269,7 @@ mod tests {
         }
     }
 
-    /// The roulette as Butz and Wilson write it, over every rule.
+    /// The roulette as Butz and Wilson describe it, over every rule.
     fn plain_roulette(rules: &[Classifier], params: &Params, ball: f64) -> usize {
         let micro: u32 = rules.iter().map(|r| r.numerosity).sum();
         let mean = rules.iter().map(|r| r.fitness).sum::<f64>() / f64::from(micro);
@@ -291,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn an_experienced_rule_of_low_fitness_is_more_likely_to_go() {
+    fn an_experienced_rule_of_low_fitness_is_more_likely_to_be_deleted() {
         // Mean fitness (0.999 + 0.001) / 2 = 0.5, cut 0.05. Votes: 10, and 10 * 0.5 / 0.001 = 5000.
         let rules = [rule(10.0, 0.999, 1, 21), rule(10.0, 0.001, 1, 21)];
         let mut votes = DeletionVotes::default();
@@ -310,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rule_that_asks_for_many_actions_is_more_likely_to_go() {
+    fn a_rule_with_a_large_eam_is_more_likely_to_be_deleted() {
         let mut rules = [rule(10.0, 0.5, 1, 21), rule(10.0, 0.5, 1, 21)];
         let at = |rules: &[Classifier], ball| {
             let mut votes = DeletionVotes::default();

@@ -1,4 +1,4 @@
-//! The genetic algorithm's operators: selection and children (Butz and Wilson 2001, RUN GA).
+//! Operators of the genetic algorithm: selection and reproduction (Butz and Wilson 2001, RUN GA).
 
 use super::classifier::Classifier;
 use super::handles::ClassifierId;
@@ -12,11 +12,11 @@ const ERROR_INHERITANCE: f64 = 0.25;
 /// Fraction of the parents' fitness that a child inherits (Butz and Wilson 2001).
 const FITNESS_INHERITANCE: f64 = 0.1;
 
-/// A rule of a niche, with the id under which it lives in \[P\].
+/// A rule of a niche and its id in \[P\].
 pub(super) type Parent<C> = (ClassifierId, Classifier<C>);
 
-/// Selects a parent by roulette over fitness, of which the niche has `total`; `None` from an
-/// empty niche.
+/// Selects a parent by roulette over fitness. `total` is the sum of the niche's fitness. Returns
+/// `None` for an empty niche.
 pub(super) fn select<'a, C: Representation + 'a>(
     niche: impl Iterator<Item = (ClassifierId, &'a Classifier<C>)>,
     total: f64,
@@ -34,8 +34,8 @@ pub(super) fn select<'a, C: Representation + 'a>(
     last.map(|(id, rule)| (id, rule.clone()))
 }
 
-/// Two children of two parents in one niche: crossed over, mutated within the niche, and without
-/// experience of their own. `actions` is the number of actions.
+/// Creates two children of two parents in one niche by crossover and niche mutation. The children
+/// have no experience. `actions` is the number of actions.
 pub(super) fn children<C: Representation>(
     parents: &[Parent<C>; 2],
     percept: &C::Percept,
@@ -64,7 +64,8 @@ pub(super) fn children<C: Representation>(
     })
 }
 
-/// Two-point crossover of the conditions; the figures become the parents' means.
+/// Two-point crossover of the conditions. The children's prediction, error and fitness are the
+/// means of the parents'.
 fn cross<C: Representation>(
     first: &mut Classifier<C>,
     second: &mut Classifier<C>,
@@ -85,7 +86,7 @@ fn average(a: &mut f64, b: &mut f64) {
     (*a, *b) = (mean, mean);
 }
 
-/// One of the other actions, each with the same chance.
+/// Returns one of the other actions, each with equal probability.
 fn other_action(action: Action, actions: usize, stream: &mut Stream) -> Action {
     let mut others = Action::wide_all(actions).filter(|&other| other != action);
     match others.clone().count() {

@@ -1,24 +1,24 @@
-//! Generational ids: an id outlives its rule without ever meaning another one.
+//! Generational ids: an id stays unique after its rule was deleted.
 
-/// Names a classifier of \[P\], also after it was deleted.
+/// The id of a classifier of \[P\]. It stays valid as a name after the classifier was deleted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ClassifierId {
     slot: u32,
     generation: u32,
 }
 
-/// Where the classifiers lie that ids name.
+/// The position of each classifier by id.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Handles {
-    /// By slot: the generation that lives or will live there, and its position.
+    /// By slot: the current or next generation, and its position.
     slots: Vec<(u32, u32)>,
-    /// By position.
+    /// By position: the id.
     ids: Vec<ClassifierId>,
     free: Vec<u32>,
 }
 
 impl Handles {
-    /// An id for the classifier appended at the next position.
+    /// Creates an id for the classifier appended at the next position.
     pub fn push(&mut self) -> ClassifierId {
         let slot = self.free.pop().unwrap_or_else(|| {
             self.slots.push((0, 0));
@@ -34,7 +34,7 @@ impl Handles {
         id
     }
 
-    /// Ends the id at `position`; the last classifier takes that position.
+    /// Retires the id at `position`. The last classifier takes that position.
     pub fn swap_remove(&mut self, position: usize) {
         let slot = self.ids.swap_remove(position).slot;
         self.slots[slot as usize].0 += 1;
@@ -44,12 +44,12 @@ impl Handles {
         }
     }
 
-    /// The id of the classifier at `position`.
+    /// Returns the id of the classifier at `position`.
     pub fn id_at(&self, position: usize) -> ClassifierId {
         self.ids[position]
     }
 
-    /// Where a classifier lies; `None` once it was deleted.
+    /// Returns the position of a classifier; `None` if it was deleted.
     pub fn position(&self, id: ClassifierId) -> Option<usize> {
         let &(generation, position) = self.slots.get(id.slot as usize)?;
         (generation == id.generation).then_some(position as usize)

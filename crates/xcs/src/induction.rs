@@ -1,18 +1,20 @@
-//! Discovery of rules by induction from examples: a best-action map, general while it is learned.
+//! Rule discovery from labelled examples by induction. The rules form a best-action map that is
+//! general from the start.
 //!
-//! Each rule says "wherever my condition matches, my action is one of the best". Which action is
-//! best generalises further than what actions are worth, so a few rules suffice. They are kept
+//! Each rule states that its action is one of the best wherever its condition matches. The best
+//! action generalises further than action values, so a few rules suffice. The rules are kept
 //! consistent with all examples, and complete as long as \[P\] has room:
-//! 1. a rule that covers a example in which its action is not among the best demands more alleles,
-//!    until it covers none, or goes when nothing good is left;
-//! 2. for a example that no rule covers, a rule is grown from the most general condition, and
-//!    demands what it must and no more;
-//! 3. a rule whose examples others cover is superfluous and goes, the least general first.
+//! 1. A rule that covers an example in which its action is not among the best is specialised until
+//!    it covers no such example. It is removed if it would cover no correct example.
+//! 2. For an example that no rule covers, a rule is grown from the most general condition. It
+//!    requires only the alleles it needs.
+//! 3. A rule whose examples are all covered by other rules is redundant and is removed, the least
+//!    general first.
 //!
-//! A rule's prediction is the mean value of its examples, its error the mean deviation from that,
-//! its experience their number, and so is its fitness: in the prediction array (Eq. 6) general
-//! rules weigh more. Or its experience and fitness are its own record of the steps in which it acted
-//! ([`Record::Steps`]).
+//! A rule's prediction is the mean value of its examples. Its error is the mean deviation from the
+//! prediction. Its experience and fitness are the number of its examples, so general rules weigh
+//! more in the prediction array (Eq. 6). Alternatively, experience and fitness are the rule's
+//! record of the steps in which it acted ([`Record::Steps`]).
 
 use std::collections::BTreeSet;
 
@@ -25,33 +27,35 @@ use super::params::Params;
 use super::population::Population;
 use super::signal::{Action, Percept};
 
-/// What the experience and the fitness of a rule tell.
+/// The meaning of a rule's experience and fitness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Record {
-    /// How many examples it covers.
+    /// The number of examples that the rule covers.
     #[default]
     LabelledExamples,
-    /// In how many steps it acted, and in which share it was right: see [`Population::record`].
+    /// The number of steps in which the rule acted, and the share in which it was right: see
+    /// [`Population::record`].
     Steps,
 }
 
-/// Which examples the rules of a population cover.
+/// The examples covered by each rule of a population.
 #[derive(Debug, Clone, Default)]
 pub struct Induction {
-    /// Where parts of a percept end, if rules look at later ones only where earlier ones do not suffice.
-    parts: &'static [usize],
+    /// The ends of the feature groups of a percept. Rules use a later group only if the earlier
+    /// ones do not suffice.
+    groups: &'static [usize],
     record: Record,
-    /// By the position of a rule in \[P\]: the examples that it covers.
+    /// By the position of a rule in \[P\]: the examples it covers.
     covers: Vec<FixedBitSet>,
-    /// By the position of a rule in \[P\]: are its figures those of other examples than it covers?
+    /// By the position of a rule in \[P\]: true if its statistics are out of date.
     outdated: Vec<bool>,
-    /// By example: how many rules cover it.
+    /// By example: the number of rules that cover it.
     covered: Vec<u32>,
     /// The examples that no rule covers.
-    bare: BTreeSet<usize>,
+    uncovered: BTreeSet<usize>,
 }
 
-/// A rule that may join \[P\], and the examples that it covers.
+/// A rule that may join \[P\], and the examples it covers.
 #[derive(Clone)]
 struct Candidate {
     condition: Condition,
@@ -60,18 +64,19 @@ struct Candidate {
 }
 
 impl Induction {
-    /// Of rules that look at what comes after the first of these positions only where what is before it does
-    /// not suffice, and so on, and that keep such a record.
-    pub fn in_parts(parts: &'static [usize], record: Record) -> Self {
+    /// Creates an induction whose rules use features after the first of these positions only if the
+    /// features before it do not suffice, and so on. `record` sets the meaning of experience and
+    /// fitness.
+    pub fn in_parts(groups: &'static [usize], record: Record) -> Self {
         Self {
-            parts,
+            groups,
             record,
             ..Self::default()
         }
     }
 
-    /// Makes the rules of a population agree with all examples; it holds at most
-    /// `params.population_size` of them. What changed in `examples` counts as learned then.
+    /// Makes the rules of a population agree with all examples. The population holds at most
+    /// `params.population_size` rules. Marks all changes in the examples as learned.
     pub fn learn(
         &mut self,
         population: &mut Population,
@@ -86,14 +91,14 @@ impl Induction {
         let specialised = self.specialise(population, labelled_examples, &changed, params);
         let covered = self.cover(population, labelled_examples, params);
         if specialised || covered {
-            self.drop_superfluous(population);
+            self.drop_redundant(population);
         }
         self.rate(population, labelled_examples);
     }
 
-    /// Looks up from scratch which examples the rules cover, for a population from a file.
+    /// Recomputes which examples the rules cover, for a population from a file.
     fn survey(&mut self, population: &Population, labelled_examples: &LabelledExamples) {
-        *self = Self::in_parts(self.parts, self.record);
+        *self = Self::in_parts(self.groups, self.record);
         for rule in population.rules() {
             let numbers = labelled_examples
                 .iter()
@@ -104,29 +109,30 @@ impl Induction {
             self.outdated.push(true);
         }
         let all = labelled_examples.iter().map(|(number, _)| number);
-        let is_bare = |number: &usize| self.covered.get(*number).is_none_or(|&rules| rules == 0);
-        self.bare = all.filter(is_bare).collect();
+        let is_uncovered =
+            |number: &usize| self.covered.get(*number).is_none_or(|&rules| rules == 0);
+        self.uncovered = all.filter(is_uncovered).collect();
     }
 
-    /// Counts that some examples are covered by one rule more, or less.
+    /// Adds `by` to the number of rules that cover each of these examples.
     fn count(&mut self, labelled_examples: &FixedBitSet, by: i32) {
-        let room = self.covered.len().max(labelled_examples.len());
-        self.covered.resize(room, 0);
+        let len = self.covered.len().max(labelled_examples.len());
+        self.covered.resize(len, 0);
         for number in labelled_examples.ones() {
             self.covered[number] = self.covered[number].wrapping_add_signed(by);
-            self.note_bare(number);
+            self.note_uncovered(number);
         }
     }
 
-    /// Keeps the list of examples that no rule covers.
-    fn note_bare(&mut self, number: usize) {
+    /// Updates the list of uncovered examples.
+    fn note_uncovered(&mut self, number: usize) {
         match self.covered[number] {
-            0 => self.bare.insert(number),
-            _ => self.bare.remove(&number),
+            0 => self.uncovered.insert(number),
+            _ => self.uncovered.remove(&number),
         };
     }
 
-    /// Finds the rules that cover the examples that are new.
+    /// Finds the rules that cover the changed examples.
     fn admit(
         &mut self,
         population: &Population,
@@ -137,8 +143,8 @@ impl Induction {
             let Some(LabelledExample { percept, .. }) = labelled_examples.get(number) else {
                 continue;
             };
-            let room = self.covered.len().max(number + 1);
-            self.covered.resize(room, 0);
+            let len = self.covered.len().max(number + 1);
+            self.covered.resize(len, 0);
             population.for_each_match(percept, |id, _| {
                 let at = population
                     .position(id)
@@ -149,11 +155,11 @@ impl Induction {
                     self.covered[number] += 1;
                 }
             });
-            self.note_bare(number);
+            self.note_uncovered(number);
         }
     }
 
-    /// Makes the rules that are wrong in a changed example demand more; true if there were any.
+    /// Specialises the rules that are wrong in a changed example. Returns true if there were any.
     fn specialise(
         &mut self,
         population: &mut Population,
@@ -183,14 +189,14 @@ impl Induction {
                 action: rule.action,
                 covers,
             };
-            if let Some(special) = right_in_part(labelled_examples, &general, None, self.parts) {
+            if let Some(special) = right_in_groups(labelled_examples, &general, None, self.groups) {
                 self.insert(population, special, params);
             }
         }
         !wrong.is_empty()
     }
 
-    /// Adds rules until each example is covered or \[P\] is full; true if any was added.
+    /// Adds rules until each example is covered or \[P\] is full. Returns true if any was added.
     fn cover(
         &mut self,
         population: &mut Population,
@@ -200,7 +206,7 @@ impl Induction {
         let before = population.len();
         let mut from = 0;
         while population.len() < params.population_size as usize
-            && let Some(&number) = self.bare.range(from..).next()
+            && let Some(&number) = self.uncovered.range(from..).next()
         {
             from = number + 1;
             let labelled_example = labelled_examples.get(number);
@@ -213,15 +219,15 @@ impl Induction {
         population.len() > before
     }
 
-    /// The rule for a example that covers the most examples that no other rule does.
+    /// Returns the rule for an example that covers the most otherwise uncovered examples.
     fn most_general(
         &self,
         labelled_examples: &LabelledExamples,
         labelled_example: &LabelledExample,
     ) -> Option<Candidate> {
-        let candidates = labelled_example
-            .best_actions()
-            .filter_map(|action| covering(labelled_examples, labelled_example, action, self.parts));
+        let candidates = labelled_example.best_actions().filter_map(|action| {
+            covering(labelled_examples, labelled_example, action, self.groups)
+        });
         let gain = |one: &Candidate| {
             let new = one
                 .covers
@@ -235,9 +241,9 @@ impl Induction {
         })
     }
 
-    /// Removes rules whose examples are all covered by others, the least general first. A rule that covers no
-    /// example stays: nothing else says what it says.
-    fn drop_superfluous(&mut self, population: &mut Population) {
+    /// Removes rules whose examples are all covered by others, the least general first. Keeps a
+    /// rule that covers no example, because no other rule can replace it.
+    fn drop_redundant(&mut self, population: &mut Population) {
         let mut order: Vec<_> = (0..population.len()).collect();
         order.sort_by_key(|&at| self.covers[at].count_ones(..));
         let ids: Vec<_> = order.iter().map(|&at| population.id_at(at)).collect();
@@ -253,7 +259,7 @@ impl Induction {
         }
     }
 
-    /// Sets the figures of the rules of which they are outdated.
+    /// Recomputes outdated statistics of the rules.
     fn rate(&mut self, population: &mut Population, labelled_examples: &LabelledExamples) {
         let record = self.record;
         let rules = self.covers.iter().zip(&mut self.outdated);
@@ -291,7 +297,7 @@ impl Induction {
         }
         let id = population.insert(rule);
         if population.len() == before {
-            // It was there already: still one rule.
+            // The rule existed already; it remains one micro-classifier.
             population.modify(id, |rule| rule.numerosity = 1);
             return;
         }
@@ -309,24 +315,24 @@ impl Induction {
     }
 }
 
-/// The most general rule for a example that is found step by step; `None` if another example with
-/// the same percept contradicts it.
+/// Returns the most general rule for an example that greedy search finds. Returns `None` if another
+/// example with the same percept contradicts it.
 fn covering(
     labelled_examples: &LabelledExamples,
     labelled_example: &LabelledExample,
     action: Action,
-    parts: &[usize],
+    groups: &[usize],
 ) -> Option<Candidate> {
     let general = Candidate {
         condition: Condition::of_alleles(&labelled_example.percept, []),
         action,
         covers: labelled_examples.given().clone(),
     };
-    let found = right_in_part(
+    let found = right_in_groups(
         labelled_examples,
         &general,
         Some(&labelled_example.percept),
-        parts,
+        groups,
     )?;
     let mut alleles: Vec<usize> = demanded(&found.condition).collect();
     for allele in demanded(&found.condition) {
@@ -348,7 +354,7 @@ fn demanded(condition: &Condition) -> impl Iterator<Item = usize> {
     (0..condition.width()).filter(move |&bit| condition.allele(bit).is_some())
 }
 
-/// The examples whose percept shares some alleles with this one.
+/// Returns the examples whose percepts share these alleles with this percept.
 fn with_alleles(
     labelled_examples: &LabelledExamples,
     percept: &Percept,
@@ -359,21 +365,23 @@ fn with_alleles(
     alleles.iter().fold(given, narrow)
 }
 
-/// The same with alleles of as few parts as will do.
-fn right_in_part(
+/// Specialises a rule as [`right`] does, with alleles from as few feature groups as possible.
+fn right_in_groups(
     labelled_examples: &LabelledExamples,
     rule: &Candidate,
     like: Option<&Percept>,
-    parts: &[usize],
+    groups: &[usize],
 ) -> Option<Candidate> {
-    let ends = parts.iter().copied().chain([rule.condition.width()]);
+    let ends = groups.iter().copied().chain([rule.condition.width()]);
     ends.into_iter()
         .find_map(|end| right(labelled_examples, rule.clone(), like, end))
 }
 
-/// Demands more alleles, those of a percept if one is given, until the rule covers only examples in
-/// which its action is among the best: each time the allele that leaves the highest share of
-/// these, (good + 1) / (all + 2). `None` when no good one would be left.
+/// Specialises a rule until it covers only examples in which its action is among the best. Uses
+/// only alleles of the percept `like` if one is given.
+///
+/// Each step adds the allele that leaves the highest share of correct examples, (good + 1) / (all +
+/// 2). Returns `None` if no correct example would remain.
 fn right(
     labelled_examples: &LabelledExamples,
     mut rule: Candidate,

@@ -41,10 +41,10 @@ pub struct NotANumber {
 }
 
 impl RealPercept {
-    /// Makes a percept. Values below 0 become 0, and values above 1 become 1.
+    /// Creates a percept. Values below 0 become 0, and values above 1 become 1.
     ///
     /// # Errors
-    /// When a value is NaN.
+    /// Returns an error if a value is NaN.
     pub fn new(values: &[f64]) -> Result<Self, NotANumber> {
         match values.iter().position(|value| value.is_nan()) {
             Some(attribute) => Err(NotANumber { attribute }),
@@ -72,15 +72,15 @@ impl TryFrom<Vec<f64>> for RealPercept {
     }
 }
 
-/// Returns the value moved into 0 to 1; -0 becomes 0, so that equal values have equal bits.
+/// Returns the value clamped to 0 to 1. -0 becomes 0, so that equal values have equal bits.
 fn clamped(value: f64) -> f64 {
     value.clamp(0.0, 1.0) + 0.0
 }
 
 /// A condition on real-valued percepts: for each attribute an interval `[lower, upper]`.
 ///
-/// It matches a percept when each attribute lies within its interval, the bounds included. Bounds
-/// are ordered and lie from 0 to 1, so `[0, 1]` is a don't-care.
+/// A condition matches a percept if each attribute lies within its interval, including the bounds.
+/// Bounds are ordered and range from 0 to 1, so `[0, 1]` is a don't-care.
 ///
 /// XCSR: S. W. Wilson, "Get real! XCS with continuous-valued inputs" (2000), with the ordered-bound
 /// representation of C. Stone and L. Bull, "For real! XCS with continuous-valued inputs" (2003).
@@ -103,10 +103,10 @@ pub struct IntervalError {
 }
 
 impl Intervals {
-    /// Makes a condition from `[lower, upper]` for each attribute.
+    /// Creates a condition from `[lower, upper]` for each attribute.
     ///
     /// # Errors
-    /// When bounds are not ordered, not a number, or outside of 0 to 1.
+    /// Returns an error if bounds are not ordered, not a number, or outside of 0 to 1.
     pub fn new(bounds: &[[f64; 2]]) -> Result<Self, IntervalError> {
         for (attribute, &[lower, upper]) in bounds.iter().enumerate() {
             if !(0.0 <= lower && lower <= upper && upper <= 1.0) {
@@ -185,7 +185,7 @@ impl Representation for Intervals {
         self.0[from..to].swap_with_slice(&mut other.0[from..to]);
     }
 
-    /// The number of attributes less the sum of the widths of their intervals.
+    /// Returns the number of attributes minus the sum of the widths of their intervals.
     fn specificity(&self) -> f64 {
         self.0
             .iter()
@@ -199,7 +199,7 @@ impl Representation for Intervals {
     }
 }
 
-/// Returns whether each value lies within its interval.
+/// Returns true if each value lies within its interval.
 fn contain(bounds: &[[f64; 2]], values: &[f64]) -> bool {
     let mut pairs = bounds.iter().zip(values);
     pairs.all(|([lower, upper], value)| lower <= value && value <= upper)
@@ -222,7 +222,7 @@ impl Hash for Intervals {
     }
 }
 
-/// `[0.25, 0.50] # [0.00, 0.75]`, with `#` for a don't-care.
+/// Formats as `[0.25, 0.50] # [0.00, 0.75]`, with `#` for a don't-care.
 impl fmt::Display for Intervals {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (attribute, &[lower, upper]) in self.0.iter().enumerate() {
@@ -256,7 +256,7 @@ impl From<Intervals> for Vec<[f64; 2]> {
     }
 }
 
-/// The bounds of all conditions, one condition after the other in one stretch of memory.
+/// The bounds of all conditions, stored contiguously.
 #[derive(Debug, Clone, Default)]
 pub struct IntervalIndex {
     bounds: Vec<[f64; 2]>,

@@ -1,4 +1,4 @@
-//! Examples: in which percept which actions are best, and what they are worth.
+//! Labelled examples: the best actions in a percept, and their value.
 
 use fixedbitset::FixedBitSet;
 use serde::{Deserialize, Serialize};
@@ -6,32 +6,33 @@ use serde::{Deserialize, Serialize};
 use super::prediction::PredictionArray;
 use super::signal::{Action, ByAction, MAX_ACTIONS, Percept};
 
-/// What a teacher says of one percept.
+/// The teacher's label for one percept.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LabelledExample {
     /// The percept.
     pub percept: Percept,
-    /// By action: is it one of the best?
+    /// By action: true if it is one of the best.
     pub best: ByAction<bool>,
-    /// What the best actions are worth.
+    /// The value of the best actions.
     pub value: f64,
 }
 
 impl LabelledExample {
-    /// The best actions; at least one.
+    /// Returns the best actions; at least one.
     pub fn best_actions(&self) -> impl Iterator<Item = Action> + '_ {
         Action::all(MAX_ACTIONS).filter(|action| self.best[action.index()])
     }
 
-    /// Is every action of the greatest value one of the best, and is there one?
+    /// Returns true if any action has a value and all actions of the greatest value are among the
+    /// best.
     pub fn agrees_with(&self, values: &PredictionArray) -> bool {
         let mut chosen = values.best_actions();
         values.greatest().is_some() && chosen.all(|action| self.best[action.index()])
     }
 }
 
-/// All examples, by the number that the teacher gives to a percept, and once more in columns: what
-/// sets of examples have in common is counted 64 at a time.
+/// All examples, by the number that the teacher assigns to a percept. Also stored in columns, so
+/// that what sets of examples have in common is counted 64 examples at a time.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(
     into = "Vec<Option<LabelledExample>>",
@@ -39,22 +40,23 @@ impl LabelledExample {
 )]
 pub struct LabelledExamples {
     all: Vec<Option<LabelledExample>>,
-    /// The numbers of those that are given.
+    /// The numbers of the examples that exist.
     given: FixedBitSet,
-    /// By allele: the examples in whose percept it is 1.
+    /// By allele: the examples in whose percept the allele is 1.
     ones: Vec<FixedBitSet>,
-    /// By action: the examples in which it is one of the best.
+    /// By action: the examples in which the action is one of the best.
     best: ByAction<FixedBitSet>,
-    /// Those that are new or were changed since they were last asked for, in that order.
+    /// The numbers of the examples that are new or changed since the last [`Self::take_changed`],
+    /// in that order.
     changed: Vec<usize>,
 }
 
 impl LabelledExamples {
-    /// Gives or changes a example; a number always means the same percept, and all percepts are of
-    /// one width.
+    /// Adds or changes an example. A number always refers to the same percept, and all percepts
+    /// have the same width.
     pub fn give(&mut self, number: usize, labelled_example: LabelledExample) {
-        let room = self.all.len().max(number + 1);
-        self.all.resize(room, None);
+        let len = self.all.len().max(number + 1);
+        self.all.resize(len, None);
         let before = self.all[number].replace(labelled_example);
         if before == Some(labelled_example) {
             return;
@@ -76,33 +78,34 @@ impl LabelledExamples {
         }
     }
 
-    /// The example of this number.
+    /// Returns the example with this number.
     pub fn get(&self, number: usize) -> Option<&LabelledExample> {
         self.all.get(number)?.as_ref()
     }
 
-    /// All examples, in the order of their numbers.
+    /// Returns all examples, in the order of their numbers.
     pub fn iter(&self) -> impl Iterator<Item = (usize, &LabelledExample)> {
         let all = self.all.iter().enumerate();
         all.filter_map(|(number, labelled_example)| Some((number, labelled_example.as_ref()?)))
     }
 
-    /// Is there something that was not yet learned?
+    /// Returns true if any example is new or changed since the last [`Self::take_changed`].
     pub fn have_changed(&self) -> bool {
         !self.changed.is_empty()
     }
 
-    /// The numbers of the examples that are new or were changed, in that order; they may repeat.
+    /// Returns and clears the numbers of the new or changed examples, in the order of change.
+    /// Numbers may repeat.
     pub fn take_changed(&mut self) -> Vec<usize> {
         std::mem::take(&mut self.changed)
     }
 
-    /// The numbers of all examples, as a set.
+    /// Returns the numbers of all examples, as a set.
     pub(super) fn given(&self) -> &FixedBitSet {
         &self.given
     }
 
-    /// Those of some examples in whose percept an allele has a value.
+    /// Returns the given examples in whose percept an allele has a value.
     pub(super) fn with_allele(&self, some: &FixedBitSet, bit: usize, value: bool) -> FixedBitSet {
         let mut with = some.clone();
         match value {
@@ -112,7 +115,7 @@ impl LabelledExamples {
         with
     }
 
-    /// How many of some examples have an allele of this value, `[with, without]` the action among
+    /// Counts the given examples with this value of an allele: `[with, without]` the action among
     /// the best.
     pub(super) fn count(
         &self,
@@ -136,7 +139,7 @@ impl LabelledExamples {
         counts
     }
 
-    /// How many of some examples have the action among the best, and how many have not.
+    /// Counts the given examples with and without the action among the best.
     pub(super) fn verdicts(&self, some: &FixedBitSet, action: Action) -> [u32; 2] {
         let right = some.intersection_count(&self.best[action.index()]);
         [right as u32, (some.count_ones(..) - right) as u32]
@@ -150,7 +153,7 @@ impl From<LabelledExamples> for Vec<Option<LabelledExample>> {
 }
 
 impl From<Vec<Option<LabelledExample>>> for LabelledExamples {
-    /// Examples that were learned already.
+    /// Loads examples that were learned already.
     fn from(all: Vec<Option<LabelledExample>>) -> Self {
         let mut labelled_examples = Self::default();
         for (number, labelled_example) in all.into_iter().enumerate() {

@@ -25,14 +25,14 @@ pub struct Xcs<C: Representation = Condition> {
     /// t: match sets formed so far, as [`GaClock`] counts them.
     time: u64,
     pub(super) stream: Stream,
-    /// May the GA run now?
+    /// True if the GA may run.
     evolves: bool,
-    /// Does the mapping adapt, as in XCSAM?
+    /// True if the mapping adapts, as in XCSAM.
     pub(super) adapts: bool,
 }
 
-/// What learning changes in an [`Xcs`]: all that a file must keep for a learner with the same
-/// parameters to go on to the bit.
+/// The part of an [`Xcs`] that learning changes. A learner with the same parameters continues from
+/// it bit for bit.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(bound = "C: Representation")]
 pub struct Learned<C: Representation = Condition> {
@@ -44,18 +44,19 @@ pub struct Learned<C: Representation = Condition> {
 }
 
 impl Xcs {
-    /// An empty learner for `actions` actions (1 to [`MAX_ACTIONS`](crate::MAX_ACTIONS)) that draws from `stream`.
-    /// The parameters must have been checked.
+    /// Creates an untrained learner for `actions` actions (1 to
+    /// [`MAX_ACTIONS`](crate::MAX_ACTIONS)) that draws from `stream`. The parameters must be valid.
     pub fn new(params: Params, actions: usize, stream: Stream) -> Self {
         Self::with_settings(params, (), actions, stream)
     }
 
-    /// Discovers rules from examples by induction instead of by the GA.
+    /// Discovers rules from labelled examples by induction instead of by the GA.
     pub fn induce(&mut self, induction: &mut Induction, labelled_examples: &mut LabelledExamples) {
         induction.learn(&mut self.population, labelled_examples, &self.params);
     }
 
-    /// The prediction array in a percept, read from \[P\] without covering or changing anything.
+    /// Returns the prediction array for a percept, computed from \[P\] without covering. Changes
+    /// nothing.
     pub fn values(&self, percept: &Percept) -> PredictionArray {
         let sums = self.population.sums(percept);
         sums.array(self.actions, self.params.value_over_match_set)
@@ -65,7 +66,7 @@ impl Xcs {
 impl<C: Representation> Xcs<C> {
     /// Creates an untrained learner with any representation, for `actions` actions (1 to
     /// [`Representation::MAX_ACTIONS`]), that draws from `stream`. The parameters and settings must
-    /// have been checked.
+    /// be valid.
     pub fn with_settings(
         params: Params,
         settings: C::Settings,
@@ -84,19 +85,19 @@ impl<C: Representation> Xcs<C> {
         }
     }
 
-    /// Starts from rules that were learned elsewhere, as if the GA had visited each of them just now.
+    /// Starts from rules learned elsewhere, as if the GA had just run on each of them.
     pub fn start_from(&mut self, rules: &Population<C>) {
         self.population = rules.stamped(self.time, self.eam_at_first());
         self.population
             .delete_surplus(&self.params, &mut self.stream);
     }
 
-    /// Lets the GA run from now on, or rest until further notice.
+    /// Enables or disables the GA.
     pub fn let_evolve(&mut self, evolves: bool) {
         self.evolves = evolves;
     }
 
-    /// Starts from rules that were learned before.
+    /// Starts from rules learned earlier.
     pub fn with_population(mut self, population: Population<C>) -> Self {
         self.population = population;
         self.population
@@ -104,7 +105,7 @@ impl<C: Representation> Xcs<C> {
         self
     }
 
-    /// What learning has changed so far.
+    /// Returns everything that learning has changed so far.
     pub fn learned(&self) -> Learned<C> {
         Learned {
             population: self.population.clone(),
@@ -114,8 +115,8 @@ impl<C: Representation> Xcs<C> {
         }
     }
 
-    /// Goes on from what a learner with the same parameters had learned; `false`, and nothing is
-    /// changed, if that cannot have been learned with these parameters.
+    /// Continues from the state of a learner with the same parameters. Returns `false`, and changes
+    /// nothing, if the state cannot come from these parameters.
     pub fn resume(&mut self, learned: Learned<C>) -> bool {
         let eams = 1.0..=self.eam_at_first();
         let known =
@@ -139,23 +140,23 @@ impl<C: Representation> Xcs<C> {
             .for_each_match(percept, |id, rule| set.add(id, rule));
     }
 
-    /// \[P\].
+    /// Returns \[P\].
     pub fn population(&self) -> &Population<C> {
         &self.population
     }
 
-    /// The parameters.
+    /// Returns the parameters.
     pub fn params(&self) -> &Params {
         &self.params
     }
 
-    /// The number of actions.
+    /// Returns the number of actions.
     pub fn actions(&self) -> usize {
         self.actions
     }
 
-    /// Forms \[M\] and covers every action that no rule of \[M\] advocates (GENERATE MATCH SET), or
-    /// as many as an adaptive mapping asks for.
+    /// Forms \[M\] and covers every action that no rule of \[M\] advocates (GENERATE MATCH SET).
+    /// With an adaptive mapping, covers only as many actions as it requires.
     pub fn form_match_set(&mut self, percept: &C::Percept, set: &mut MatchSet<C>) {
         if self.evolves || self.params.ga_clock == GaClock::AllSteps {
             self.time += 1;
@@ -165,20 +166,20 @@ impl<C: Representation> Xcs<C> {
             self.population
                 .for_each_match(percept, |id, rule| set.add(id, rule));
             let covers_some = if self.adapts {
-                self.cover_as_asked(percept, set)
+                self.cover_by_eam(percept, set)
             } else {
                 self.cover_missing(percept, set)
             };
             if !covers_some {
                 return;
             }
-            // May delete a rule that was just made; then the next round covers again.
+            // May delete a rule that was just created; the next round then covers again.
             self.population
                 .delete_surplus(&self.params, &mut self.stream);
         }
     }
 
-    /// Covers all actions that \[M\] lacks; `false` if it lacks none.
+    /// Covers all actions missing from \[M\]; `false` if none is missing.
     fn cover_missing(&mut self, percept: &C::Percept, set: &MatchSet<C>) -> bool {
         let missing = Action::wide_all(self.actions).filter(|&action| !set.covers(action));
         let mut lacks_some = false;
@@ -196,7 +197,7 @@ impl<C: Representation> Xcs<C> {
         self.population.insert(Classifier { eam, ..rule });
     }
 
-    /// The rules of \[P\] that match a percept and advocate an action, without covering.
+    /// Returns the rules of \[P\] that match a percept and advocate an action, without covering.
     pub fn matching_action_set(&self, percept: &C::Percept, action: Action) -> ActionSet<C> {
         let mut members = Vec::new();
         self.population.for_each_match(percept, |id, rule| {
@@ -211,21 +212,21 @@ impl<C: Representation> Xcs<C> {
         }
     }
 
-    /// The prediction array of \[M\] (Eq. 6), as it was when \[M\] was formed.
+    /// Returns the prediction array of \[M\] (Eq. 6), as of when \[M\] was formed.
     pub fn predict(&self, set: &MatchSet<C>) -> PredictionArray {
         set.prediction(self.actions, self.params.value_over_match_set)
     }
 
-    /// Returns the value of each action in a percept, in the order of the actions, read from \[P\]
-    /// without covering or changing anything; `None` for an action that no rule advocates.
+    /// Returns the value of each action in a percept, in the order of the actions; `None` for an
+    /// action that no rule advocates. Computed from \[P\] without covering. Changes nothing.
     pub fn action_values(&self, percept: &C::Percept) -> Vec<Option<f64>> {
         let sums = self.population.sums(percept);
         let value = |action| sums.value(action, self.params.value_over_match_set);
         Action::wide_all(self.actions).map(value).collect()
     }
 
-    /// The rule of a set that weighs most in the value of its action: the fittest; of equals, the
-    /// first in the set.
+    /// Returns the fittest rule of a set, which has the largest weight in the value of its action.
+    /// Of equally fit rules, returns the first.
     pub fn strongest<'a>(&'a self, set: &'a ActionSet<C>) -> Option<&'a Classifier<C>> {
         let rules = self.population.living(set.members()).map(|(_, rule)| rule);
         rules.reduce(|best, next| {
@@ -237,7 +238,7 @@ impl<C: Representation> Xcs<C> {
         })
     }
 
-    /// Micro-classifiers in a set, and their fitness-weighted mean error.
+    /// Returns the number of micro-classifiers in a set and their fitness-weighted mean error.
     pub fn size_and_error(&self, set: &ActionSet<C>) -> (u32, f64) {
         let (mut micro, mut error, mut fitness) = (0, 0.0, 0.0);
         for (_, rule) in self.population.living(set.members()) {
@@ -248,9 +249,11 @@ impl<C: Representation> Xcs<C> {
         (micro, if fitness > 0.0 { error / fitness } else { 0.0 })
     }
 
-    /// Updates the rules of \[A\] toward the payoff `target` at learning rate `beta` (UPDATE SET):
-    /// experience, error (Eq. 2) and prediction (Eq. 1, whose printed sign is wrong) in the order
-    /// of [`UpdateOrder`], set size, fitness; then action-set subsumption.
+    /// Updates the rules of \[A\] toward the payoff `target` at learning rate `beta` (UPDATE SET).
+    ///
+    /// Updates experience, then error (Eq. 2) and prediction (Eq. 1, whose printed sign is wrong)
+    /// in the order of [`UpdateOrder`], then set size and fitness. Finally runs action-set
+    /// subsumption.
     pub fn update(&mut self, set: &ActionSet<C>, target: f64, beta: f64) {
         let micro: u32 = self
             .population
@@ -258,7 +261,7 @@ impl<C: Representation> Xcs<C> {
             .map(|(_, rule)| rule.numerosity)
             .sum();
         let params = &self.params;
-        // With extreme settings all accuracies are 0; then all rules count alike.
+        // With extreme settings all accuracies are 0. All rules then have equal weight.
         let accuracy = |rule: &Classifier<C>| rule.accuracy(params).max(f64::MIN_POSITIVE);
         let share = |rule: &Classifier<C>| accuracy(rule) * f64::from(rule.numerosity);
         let mut total = 0.0;
@@ -267,7 +270,7 @@ impl<C: Representation> Xcs<C> {
                 continue;
             };
             rule.experience = rule.experience.saturating_add(1);
-            // Moving average with the mean of all so far while the rule is young.
+            // While the rule is young, this is the mean of all payoffs so far.
             let rate = beta.max(1.0 / f64::from(rule.experience));
             let old_prediction = rule.prediction;
             rule.prediction += rate * (target - old_prediction);
@@ -292,8 +295,8 @@ impl<C: Representation> Xcs<C> {
         }
     }
 
-    /// The most general accurate rule of \[A\] takes over the numerosity of all less general ones
-    /// (DO ACTION SET SUBSUMPTION).
+    /// Subsumes the less general rules of \[A\] under the most general accurate one, which takes
+    /// over their numerosity (DO ACTION SET SUBSUMPTION).
     fn subsume_in_action_set(&mut self, set: &ActionSet<C>) {
         let able = self.population.living(set.members());
         let able = able.filter(|(_, rule)| rule.could_subsume(&self.params));
@@ -318,7 +321,7 @@ impl<C: Representation> Xcs<C> {
         }
     }
 
-    /// Runs the GA in the niche of \[A\] when its rules have waited long enough (RUN GA).
+    /// Runs the GA in the niche of \[A\] if its rules have waited long enough (RUN GA).
     pub fn evolve(&mut self, set: &ActionSet<C>) {
         if !(self.params.ga && self.evolves && self.is_due(set)) {
             return;
@@ -343,7 +346,7 @@ impl<C: Representation> Xcs<C> {
         }
     }
 
-    /// Two rules of \[A\], which may be the same; `None` when all of them were deleted.
+    /// Selects two rules of \[A\], which may be the same; `None` if all of them were deleted.
     fn select_parents(&mut self, set: &ActionSet<C>) -> Option<[Parent<C>; 2]> {
         let niche = self.population.living(set.members());
         let total = niche.clone().map(|(_, rule)| rule.fitness).sum();
@@ -352,18 +355,18 @@ impl<C: Representation> Xcs<C> {
         Some([mother?, father?])
     }
 
-    /// Have the rules of \[A\] waited longer than theta_GA on average?
+    /// Returns true if the rules of \[A\] have waited longer than theta_GA on average.
     fn is_due(&self, set: &ActionSet<C>) -> bool {
         let (mut stamps, mut micro) = (0, 0);
         for (_, rule) in self.population.living(set.members()) {
             stamps += rule.time_stamp * u64::from(rule.numerosity);
             micro += u64::from(rule.numerosity);
         }
-        // Multiplied out, so that whole numbers decide.
+        // Multiplied out, so that the comparison is between integers.
         micro > 0 && self.time * micro > stamps + u64::from(self.params.theta_ga) * micro
     }
 
-    /// A child that a parent subsumes adds to the parent; any other joins \[P\].
+    /// Adds a child to \[P\], or to the numerosity of a parent that subsumes it.
     fn insert_child(&mut self, child: Classifier<C>, parents: &[Parent<C>; 2]) {
         let params = &self.params;
         let subsumes =

@@ -1,14 +1,14 @@
 //! XCS, the accuracy-based learning classifier system.
 //!
-//! Implemented after M. V. Butz and S. W. Wilson, "An algorithmic description of XCS" (2001). It
-//! knows percepts, actions and rewards, and nothing else of the world: implement [`Environment`]
-//! and let a [`Runner`] learn in it. Episodes of one action are single-step problems; in longer ones
-//! the reward travels back, discounted.
+//! Implemented after M. V. Butz and S. W. Wilson, "An algorithmic description of XCS" (2001). XCS
+//! knows only percepts, actions and rewards. Implement [`Environment`] and let a [`Runner`] learn
+//! in it. Episodes of one action are single-step problems. In longer episodes the reward is
+//! discounted and propagated back.
 //!
 //! ```
 //! use xcs::{Action, Environment, Params, Percept, Response, Runner};
 //!
-//! /// Is the number of ones odd?
+//! /// Asks whether the number of ones is odd.
 //! struct Parity(u64);
 //!
 //! impl Environment for Parity {
@@ -35,17 +35,17 @@
 //! # Ok::<(), xcs::bounds::OutOfRange>(())
 //! ```
 //!
-//! Who is credited with what, and when, can also be the caller's part, which then calls, step by
-//! step, [`Xcs::form_match_set`], [`Xcs::predict`], [`MatchSet::action_set`], [`Xcs::update`] and
-//! [`Xcs::evolve`]. With an adaptive mapping it is XCSAM: see [`Xcs::with_adaptive_mapping`].
-//! [`compact`] condenses what was learned. The examples show the 11-multiplexer, the real-valued
-//! 6-multiplexer and a corridor.
+//! To control credit assignment, call the steps yourself: [`Xcs::form_match_set`],
+//! [`Xcs::predict`], [`MatchSet::action_set`], [`Xcs::update`] and [`Xcs::evolve`]. With an
+//! adaptive mapping, the learner is XCSAM: see [`Xcs::with_adaptive_mapping`]. [`compact`] compacts
+//! the learned rules. The examples show the 11-multiplexer, the real-valued 6-multiplexer and a
+//! corridor.
 //!
-//! Conditions are ternary ([`Condition`]): percepts have up to 320 bits, and there are up to 8
-//! actions. For real-valued percepts there are interval conditions ([`Intervals`], XCSR) with any
-//! number of attributes and up to 256 actions; see [`Runner::with_settings`]. Both are a
-//! [`Representation`], the type parameter of all types here. [`Agent`] learns from a caller that
-//! carries out the actions itself.
+//! Conditions are ternary ([`Condition`]), for percepts of up to 320 bits and up to 8 actions. For
+//! real-valued percepts there are interval conditions ([`Intervals`], XCSR), with any number of
+//! attributes and up to 256 actions; see [`Runner::with_settings`]. Both implement
+//! [`Representation`], the type parameter of all types here. [`Agent`] is for callers that carry
+//! out the actions themselves.
 
 #![warn(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
@@ -74,7 +74,7 @@ mod saved;
 mod sets;
 mod signal;
 #[cfg(test)]
-mod utmost;
+mod limits;
 
 pub use agent::{Agent, AgentState};
 pub use classifier::Classifier;
@@ -99,7 +99,7 @@ pub use signal::{
     WIDE_ACTIONS,
 };
 
-/// Its example is tested with the others.
+/// Runs the example of the README as a doctest.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,10 +1,11 @@
 //! XCSAM: rules for the best actions only.
 //!
-//! XCS keeps rules for every action in every niche, also for those it will never take. Implemented
-//! after M. Nakata, P. L. Lanzi and K. Takadama, "XCS with adaptive action mapping" (2012): each
-//! rule carries `eam`, how many actions its niche needs. It falls toward 1 while its action is
-//! judged the best one and rises toward the number of actions otherwise. Covering asks only for
-//! the mean eam of \[M\], and rules of large eam are deleted first.
+//! XCS keeps rules for every action in every niche, including actions it never takes. XCSAM is
+//! implemented after M. Nakata, P. L. Lanzi and K. Takadama, "XCS with adaptive action mapping"
+//! (2012). Each rule has an `eam`, the number of actions that its niche needs. The eam falls toward
+//! 1 while the rule's action is judged the best, and rises toward the number of actions otherwise.
+//! Covering creates only as many actions as the mean eam of \[M\]. Rules of large eam are deleted
+//! first.
 
 use super::learner::Xcs;
 use super::representation::Representation;
@@ -12,14 +13,13 @@ use super::sets::{ActionSet, MatchSet};
 use crate::signal::Action;
 
 impl<C: Representation> Xcs<C> {
-    /// From now on the mapping adapts.
+    /// Enables the adaptive mapping.
     pub fn with_adaptive_mapping(mut self) -> Self {
         self.adapts = true;
         self
     }
 
-    /// The eam of a rule of which it is not known whether its action is the best: the number of
-    /// actions, or 1 where the mapping does not adapt.
+    /// Returns the eam of a new rule: the number of actions, or 1 without an adaptive mapping.
     pub(super) fn eam_at_first(&self) -> f32 {
         if self.adapts {
             self.actions as f32
@@ -28,9 +28,10 @@ impl<C: Representation> Xcs<C> {
         }
     }
 
-    /// Moves eam of the rules of \[A\] at learning rate beta: toward 1 if `payoff` shows that its
-    /// action is one of the best in a percept whose `greatest` worth was known, toward the number
-    /// of actions otherwise. Does nothing where the mapping does not adapt.
+    /// Updates the eam of the rules of \[A\] at learning rate beta. The eam moves toward 1 if
+    /// `payoff` shows that the action is one of the best in its percept, whose greatest value is
+    /// `greatest`. Otherwise it moves toward the number of actions. Does nothing without an
+    /// adaptive mapping.
     pub fn adapt_mapping(&mut self, set: &ActionSet<C>, payoff: f64, greatest: f64) {
         if !self.adapts {
             return;
@@ -48,13 +49,13 @@ impl<C: Representation> Xcs<C> {
         }
     }
 
-    /// Covers one of the actions that \[M\] lacks, any with the same chance, if it holds fewer than
-    /// its rules ask for; `false` if it holds enough.
-    pub(super) fn cover_as_asked(&mut self, percept: &C::Percept, set: &MatchSet<C>) -> bool {
+    /// Covers a random action missing from \[M\] if \[M\] has fewer actions than its rules require.
+    /// Returns `false` if \[M\] has enough.
+    pub(super) fn cover_by_eam(&mut self, percept: &C::Percept, set: &MatchSet<C>) -> bool {
         let missing = Action::wide_all(self.actions).filter(|&action| !set.covers(action));
         let missing: Vec<Action> = missing.collect();
         let held = self.actions - missing.len();
-        if held as f64 >= self.actions_asked(set) {
+        if held as f64 >= self.required_actions(set) {
             return false;
         }
         let chosen = self.stream.choose(&missing).copied();
@@ -63,8 +64,9 @@ impl<C: Representation> Xcs<C> {
             .is_some()
     }
 
-    /// The mean eam of the micro-classifiers of \[M\]; of none, the number of actions.
-    fn actions_asked(&self, set: &MatchSet<C>) -> f64 {
+    /// Returns the mean eam of the micro-classifiers of \[M\]; the number of actions if \[M\] is
+    /// empty.
+    fn required_actions(&self, set: &MatchSet<C>) -> f64 {
         if set.is_empty() {
             return self.actions as f64;
         }
@@ -79,10 +81,10 @@ impl<C: Representation> Xcs<C> {
     }
 }
 
-/// Is a payoff as good as the greatest value, but for a fraction 1 - zeta of it?
+/// Returns true if a payoff is within a fraction 1 - zeta of the greatest value.
 ///
-/// For values above 0 this is the paper's `payoff >= zeta * greatest`; below 0, where that would
-/// ask for more than the greatest, the margin still is one.
+/// For values above 0 this is the paper's `payoff >= zeta * greatest`. For values below 0, that
+/// condition would require more than the greatest value, so the margin is subtracted instead.
 fn is_best(payoff: f64, greatest: f64, zeta: f64) -> bool {
     payoff >= greatest - (1.0 - zeta) * greatest.abs()
 }
@@ -114,7 +116,8 @@ mod tests {
         learner(rules).with_adaptive_mapping()
     }
 
-    /// The eam of all rules after action 0 was paid in percept 0, where the greatest value was 100.
+    /// Returns the eam of all rules after payoffs for action 0 in percept 0, whose greatest value
+    /// is 100.
     fn eams_after(mut xcs: Xcs, payoffs: &[f64]) -> Vec<f32> {
         let set = xcs.matching_action_set(&"0".parse().unwrap(), Action::new(0).unwrap());
         for &payoff in payoffs {
@@ -127,7 +130,7 @@ mod tests {
             .collect()
     }
 
-    /// The actions that rules advocate in percept 0 once \[M\] is formed.
+    /// Returns the actions that rules advocate in percept 0 once \[M\] is formed.
     fn actions_held(mut xcs: Xcs) -> Vec<usize> {
         let mut set = MatchSet::default();
         xcs.form_match_set(&"0".parse().unwrap(), &mut set);
@@ -138,7 +141,8 @@ mod tests {
     #[test]
     fn eam_falls_toward_1_where_the_action_is_best() {
         let rules = [rule("0", 0, 4.0), rule("0", 1, 4.0)];
-        // 4 + 0.2 (1 - 4) = 3.4; 3.4 + 0.2 (1 - 3.4) = 2.92. The other action's rule is not paid.
+        // 4 + 0.2 (1 - 4) = 3.4; 3.4 + 0.2 (1 - 3.4) = 2.92. The rule of the other action gets no
+        // payoff.
         assert_eq!(eams_after(adaptive(&rules), &[100.0]), [3.4, 4.0]);
         assert_eq!(eams_after(adaptive(&rules), &[100.0, 99.0]), [2.92, 4.0]);
         let end = eams_after(adaptive(&rules), &[100.0; 1000])[0];
@@ -169,23 +173,23 @@ mod tests {
     }
 
     #[test]
-    fn covering_asks_for_one_action_where_eam_is_1() {
+    fn covering_creates_one_action_where_eam_is_1() {
         assert_eq!(actions_held(adaptive(&[rule("0", 2, 1.0)])), [2]);
         let all = actions_held(learner(&[rule("0", 2, 1.0)]));
         assert_eq!(all, [0, 1, 2, 3], "XCS covers them all");
     }
 
     #[test]
-    fn covering_asks_for_the_mean_eam_of_micro_classifiers() {
+    fn covering_creates_the_mean_eam_of_micro_classifiers() {
         assert_eq!(actions_held(adaptive(&[])).len(), 4, "nothing is known");
         assert_eq!(actions_held(adaptive(&[rule("0", 2, 4.0)])).len(), 4);
-        // (2 * 1 + 4) / 3 = 2 actions are asked for, and held.
+        // (2 * 1 + 4) / 3 = 2 actions are required, and \[M\] has 2.
         let many = Classifier {
             numerosity: 2,
             ..rule("0", 2, 1.0)
         };
         assert_eq!(actions_held(adaptive(&[many, rule("#", 0, 4.0)])), [0, 2]);
-        // (1 + 4) / 2 = 2.5 of them; with a third, of eam 4, there are (1 + 4 + 4) / 3 = 3.
+        // (1 + 4) / 2 = 2.5 are required. With a third rule, of eam 4, (1 + 4 + 4) / 3 = 3.
         let two = [rule("0", 2, 1.0), rule("#", 0, 4.0)];
         assert_eq!(actions_held(adaptive(&two)).len(), 3);
     }
@@ -200,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn a_memory_keeps_eam_and_a_hostile_one_is_refused() {
+    fn a_checkpoint_keeps_eam_and_an_invalid_one_is_refused() {
         let accepted = |mut fresh: Xcs, eam| {
             let memory = postcard::to_allocvec(&adaptive(&[rule("0", 2, eam)]).learned()).unwrap();
             let resumes = fresh.resume(postcard::from_bytes(&memory).unwrap());
@@ -217,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_memory_with_too_few_or_many_eams_is_refused() {
+    fn a_checkpoint_with_too_few_or_many_eams_is_refused() {
         let rules = Population::try_from(vec![rule("0", 2, 1.0)]).unwrap();
         let refused = [vec![], vec![1.0, 1.0]].map(|eams| rules.clone().with_eams(&eams).is_none());
         assert_eq!(refused, [true; 2]);

@@ -1,30 +1,31 @@
-//! Inverted bit index: which rules match a percept, 64 rules at a time.
+//! An inverted bit index that finds the rules matching a percept, 64 rules at a time.
 
 use super::condition::Condition;
 use super::representation::Index;
 use crate::signal::{MAX_PERCEPT_BITS, Percept};
 
-/// Alleles that are looked up at once.
+/// Alleles per look-up.
 const ALLELES: usize = 4;
-/// What so many bits of a percept can be.
+/// Possible values of [`ALLELES`] bits.
 const VALUES: usize = 1 << ALLELES;
-/// The bits of one look-up.
+/// The mask for the bits of one look-up.
 const MASK: u64 = VALUES as u64 - 1;
-/// Look-ups between two looks at whether any rule is left; most wide percepts end at the first.
+/// Look-ups between two checks whether any rule is left. For most wide percepts, the first check
+/// already ends the search.
 const GROUP: usize = 4;
 
-/// For each four percept bits and each value of them, a bitmap of the rules which that value rules
-/// out.
+/// For each four percept bits and each of their values, a bitmap of the rules excluded by that
+/// value.
 ///
-/// A percept is matched by the rules that none of its bits rules out. The bitmaps of each 64 rules
-/// lie together, so that matching runs through memory once and stops early where no rule is left,
-/// and adding or removing a rule touches one stretch of `4 * width` words. Tables of eight bits
-/// would halve the look-ups again, and take eight times the memory.
+/// A percept is matched by the rules that none of its bits excludes. The bitmaps of each block of
+/// 64 rules are contiguous. Matching therefore reads memory sequentially and stops early when no
+/// rule is left. Adding or removing a rule changes one block of `4 * width` words. Tables of eight
+/// bits would halve the look-ups but take eight times the memory.
 #[derive(Debug, Clone, Default)]
 pub struct MatchIndex {
-    /// For each 64 rules, a table for every four alleles: who is ruled out by each value.
+    /// For each 64 rules, one table per four alleles: the rules excluded by each value.
     ruled_out: Vec<[u64; VALUES]>,
-    /// Tables for each 64 rules.
+    /// The number of tables per 64 rules.
     tables: usize,
     rules: usize,
 }
@@ -82,7 +83,7 @@ impl Index<Condition> for MatchIndex {
     }
 }
 
-/// Cuts the first bits of a percept into numbers of four bits.
+/// Splits the first bits of a percept into numbers of four bits.
 fn cut(percept: &Percept, values: &mut [u8]) {
     for (at, value) in values.iter_mut().enumerate() {
         let bit = at * ALLELES;
@@ -90,7 +91,7 @@ fn cut(percept: &Percept, values: &mut [u8]) {
     }
 }
 
-/// Which of 64 rules does a percept rule out?
+/// Returns a mask of the rules, out of 64, that a percept excludes.
 fn ruled_out_by(values: &[u8], block: &[[u64; VALUES]]) -> u64 {
     let mut out = 0;
     for (values, tables) in values.chunks(GROUP).zip(block.chunks(GROUP)) {

@@ -4,40 +4,40 @@ use serde::{Deserialize, Serialize};
 
 use crate::settings;
 
-/// The greatest N.
+/// The largest allowed population size N.
 pub(crate) const GREATEST_POPULATION: u32 = 1_000_000;
 
-/// Which of a rule's figures is updated first.
+/// The order in which a rule's prediction and error are updated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum UpdateOrder {
-    /// The error, with the old prediction (XCSJava 1.0, Butz 2000; XCSF): a rule that is paid for
-    /// the first time gets its initial prediction's distance from the payoff as error.
+    /// The error first, with the old prediction (XCSJava 1.0, Butz 2000; XCSF). After its first
+    /// payoff, a rule's error is the distance of its initial prediction from the payoff.
     ErrorFirst,
-    /// The prediction (the pseudo-code of Butz and Wilson 2001, UPDATE SET): a rule that is paid
-    /// for the first time has no error, and counts as accurate.
+    /// The prediction first (the pseudo-code of Butz and Wilson 2001, UPDATE SET). After its first
+    /// payoff, a rule has no error and counts as accurate.
     PredictionFirst,
 }
 
-/// Which of several equally general rules of \[A\] subsumes the others.
+/// The choice among equally general rules of \[A\] as the subsumer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SubsumerTies {
     /// The first one in the order of \[P\].
     First,
-    /// One after the other takes the place of the one before with probability 1/2 (Butz and
-    /// Wilson 2001, DO ACTION SET SUBSUMPTION).
+    /// Each further rule replaces the current choice with probability 1/2 (Butz and Wilson 2001, DO
+    /// ACTION SET SUBSUMPTION).
     Random,
 }
 
-/// Which steps the clock counts that tells when the GA is due.
+/// The steps counted by the clock that decides when the GA is due.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GaClock {
-    /// All (Butz and Wilson 2001, RUN EXPERIMENT: t grows with every step).
+    /// All steps (Butz and Wilson 2001, RUN EXPERIMENT: t grows with every step).
     AllSteps,
-    /// Only those in which the GA may run, and not those of episodes that only exploit (XCSJava
-    /// 1.0, Butz 2000).
+    /// Only steps in which the GA may run, excluding episodes that only exploit (XCSJava 1.0, Butz
+    /// 2000).
     EvolvingSteps,
 }
 
@@ -47,7 +47,7 @@ settings! {
     /// Parameters of XCS (Butz and Wilson 2001, section 3.2; values of the paper's experiment where
     /// it prints them, calibrated ones elsewhere).
     pub struct Params {
-        /// N: the most micro-classifiers in \[P\]. Too few, and rules that are needed get deleted.
+        /// N: the maximum number of micro-classifiers in \[P\]. If it is too small, needed rules are deleted.
         population_size: u32 = 1600, in 32..=GREATEST_POPULATION;
         /// P#: the probability of a don't-care in covering.
         dont_care: f64 = 0.3, in 0.0..=1.0;
@@ -55,25 +55,25 @@ settings! {
         beta: f64 = 0.2, in 1e-6..=1.0;
         /// alpha: the drop in accuracy at the error threshold.
         alpha: f64 = 0.1, in 0.0..=1.0;
-        /// epsilon_0: the error up to which a rule counts as accurate, in units of reward. Two
-        /// payoffs that differ by less are one payoff to XCS.
+        /// epsilon_0: the error up to which a rule counts as accurate, in units of reward. XCS
+        /// does not distinguish payoffs that differ by less.
         epsilon_0: f64 = 10.0, in 1e-9..=1e6;
-        /// nu: the power with which accuracy falls with error; a whole number so that no
+        /// nu: the exponent with which accuracy falls with error; an integer, so that no
         /// platform-dependent `pow` is needed.
         nu: u32 = 5, in 1..=20;
-        /// theta_GA: mean steps between two runs of the GA in one niche.
+        /// theta_GA: the mean number of steps between two runs of the GA in one niche.
         theta_ga: u32 = 25, in 0..=1_000_000;
         /// chi: the probability of crossover.
         chi: f64 = 0.8, in 0.0..=1.0;
         /// mu: the probability of mutating one allele or the action.
         mu: f64 = 0.04, in 0.0..=1.0;
-        /// theta_del: experience from which on low fitness counts in deletion.
+        /// theta_del: the experience above which low fitness raises the deletion vote.
         theta_del: u32 = 20, in 0..=1_000_000;
         /// delta: the fraction of the mean fitness below which a rule is unfit.
         delta: f64 = 0.1, in 0.0..=1.0;
-        /// theta_sub: experience from which on a rule can subsume others.
+        /// theta_sub: the experience above which a rule can subsume others.
         theta_sub: u32 = 20, in 0..=1_000_000;
-        /// zeta: the fraction of the greatest value from which on a payoff counts as the best, for
+        /// zeta: the fraction of the greatest value that a payoff must reach to count as the best, for
         /// `xcsam` (Nakata, Lanzi and Takadama 2012).
         zeta: f64 = 0.99, in 0.0..=1.0;
         /// p_I: the prediction of a covering rule, in units of reward.
@@ -82,16 +82,16 @@ settings! {
         initial_error: f64 = 0.0, in 0.0..=1e6;
         /// F_I: the fitness of a covering rule.
         initial_fitness: f64 = 0.01, in 1e-9..=1.0;
-        /// Does the GA run?
+        /// Run the GA.
         ga: bool = true;
-        /// Do parents subsume their children?
+        /// Let parents subsume their children.
         ga_subsumption: bool = true;
-        /// Does the most general accurate rule of \[A\] subsume the others?
+        /// Let the most general accurate rule of \[A\] subsume the others.
         action_set_subsumption: bool = true;
-        /// Divide the value by the fitness of all of \[M\], as Eq. 6 is printed in the paper, and not
-        /// by that of the rules with the action, as in XCS.
+        /// Divide the value by the fitness of all of \[M\], as Eq. 6 is printed in the paper. XCS
+        /// divides by the fitness of the rules with the action.
         value_over_match_set: bool = false;
-        /// Which of a rule's figures is updated first, error or prediction.
+        /// Whether a rule's error or prediction is updated first.
         update_order: UpdateOrder = UpdateOrder::ErrorFirst;
         /// Which of several equally general rules subsumes the others of \[A\].
         subsumer_ties: SubsumerTies = SubsumerTies::First;

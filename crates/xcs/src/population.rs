@@ -15,16 +15,16 @@ use super::representation::{Index, Representation};
 use crate::random::Stream;
 use crate::signal::Action;
 
-/// More steps than any run can reach; counters up to here leave room for arithmetic.
+/// More steps than any run can reach. Counters up to this value leave room for arithmetic.
 pub(super) const MOST_STEPS: u64 = 1 << 40;
-/// Figures of rules from files lie below this, so that no sum or product of two is infinite.
+/// The largest absolute value accepted from files, so that no sum or product of two is infinite.
 const GREATEST_FIGURE: f64 = 1e100;
 
-/// \[P\]: all rules, each with an id that outlives it.
+/// \[P\]: all rules. Each rule has an id that outlives it.
 ///
-/// Rules lie densely in a vector; a removed rule's place is taken by the last one. The order is
-/// part of the state, because roulettes walk along it: a restored population goes on exactly as
-/// the saved one would have.
+/// Rules are stored densely in a vector. The last rule takes the place of a removed one. The order
+/// is part of the state, because roulette selection depends on it: a restored population continues
+/// exactly as the saved one would have.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(
     into = "Vec<Classifier<C>>",
@@ -36,7 +36,7 @@ pub struct Population<C: Representation = Condition> {
     handles: Handles,
     index: C::Index,
     votes: DeletionVotes,
-    /// The rule of a condition and action. Never iterated over.
+    /// The rule with each condition and action. Never iterated over.
     twins: HashMap<(C, Action), ClassifierId, FixedState>,
     micro: u32,
 }
@@ -55,42 +55,42 @@ impl<C: Representation> Default for Population<C> {
 }
 
 impl<C: Representation> Population<C> {
-    /// The number of macro-classifiers.
+    /// Returns the number of macro-classifiers.
     pub fn len(&self) -> usize {
         self.rules.len()
     }
 
-    /// Is there no rule at all?
+    /// Returns true if there are no rules.
     pub fn is_empty(&self) -> bool {
         self.rules.is_empty()
     }
 
-    /// The sum of all numerosities.
+    /// Returns the sum of all numerosities.
     pub fn micro(&self) -> u32 {
         self.micro
     }
 
-    /// All rules, in the order of the population.
+    /// Returns all rules, in population order.
     pub fn rules(&self) -> &[Classifier<C>] {
         &self.rules
     }
 
-    /// The rule that an id names; `None` once it was deleted.
+    /// Returns the rule with an id; `None` if it was deleted.
     pub fn get(&self, id: ClassifierId) -> Option<&Classifier<C>> {
         self.handles.position(id).map(|at| &self.rules[at])
     }
 
-    /// Where a rule lies in [`Self::rules`]; `None` once it was deleted.
+    /// Returns the position of a rule in [`Self::rules`]; `None` if it was deleted.
     pub(super) fn position(&self, id: ClassifierId) -> Option<usize> {
         self.handles.position(id)
     }
 
-    /// The id of the rule at a position in [`Self::rules`].
+    /// Returns the id of the rule at a position in [`Self::rules`].
     pub(super) fn id_at(&self, position: usize) -> ClassifierId {
         self.handles.id_at(position)
     }
 
-    /// Those of some rules that have not been deleted.
+    /// Returns the rules among some ids that have not been deleted.
     pub(super) fn living<'a>(
         &'a self,
         ids: &'a [ClassifierId],
@@ -98,13 +98,13 @@ impl<C: Representation> Population<C> {
         ids.iter().filter_map(|&id| Some((id, self.get(id)?)))
     }
 
-    /// A rule to be changed in anything but its condition, action and numerosity. If that moves
-    /// its deletion vote, [`Self::modify`] must be called on it afterwards.
+    /// Returns a mutable rule. Condition, action and numerosity must not change. If the change
+    /// affects its deletion vote, [`Self::modify`] must be called on the rule afterwards.
     pub(super) fn get_mut(&mut self, id: ClassifierId) -> Option<&mut Classifier<C>> {
         self.handles.position(id).map(|at| &mut self.rules[at])
     }
 
-    /// Changes a rule; does nothing once it was deleted. Condition and action must stay.
+    /// Changes a rule; does nothing if it was deleted. Condition and action must not change.
     pub(super) fn modify(&mut self, id: ClassifierId, change: impl FnOnce(&mut Classifier<C>)) {
         let Some(at) = self.handles.position(id) else {
             return;
@@ -116,7 +116,7 @@ impl<C: Representation> Population<C> {
         self.votes.touch(at);
     }
 
-    /// Adds a rule, or its numerosity to the rule that has the same condition and action.
+    /// Adds a rule. If a rule with the same condition and action exists, adds to its numerosity.
     pub(super) fn insert(&mut self, rule: Classifier<C>) -> ClassifierId {
         let key = (rule.condition.clone(), rule.action);
         if let Some(&twin) = self.twins.get(&key) {
@@ -145,7 +145,7 @@ impl<C: Representation> Population<C> {
         Some(rule)
     }
 
-    /// Deletes micro-classifiers by roulette over their deletion votes until at most N are left.
+    /// Deletes micro-classifiers by roulette over their deletion votes until at most N remain.
     pub(super) fn delete_surplus(&mut self, params: &Params, stream: &mut Stream) {
         while self.micro > params.population_size {
             let ball = stream.unit();
@@ -159,14 +159,14 @@ impl<C: Representation> Population<C> {
         }
     }
 
-    /// What the value of each action under a percept comes from: the rules that match it.
+    /// Returns the sums of the rules that match a percept, from which action values are computed.
     pub fn sums(&self, percept: &C::Percept) -> PredictionSums {
         let mut sums = PredictionSums::default();
         self.for_each_match(percept, |_, rule| sums.add(rule));
         sums
     }
 
-    /// The same rules, whose records begin anew.
+    /// Returns the same rules with their records reset.
     pub fn without_records(&self) -> Self {
         let mut fresh = self.clone();
         for at in 0..fresh.len() {
@@ -177,9 +177,10 @@ impl<C: Representation> Population<C> {
         fresh
     }
 
-    /// Notes in the rules of \[A\] that they acted once more, and whether that was right. Experience counts
-    /// the steps; fitness is the share that was right, with one right step to begin with, as the accuracy of
-    /// UCS (Bernadó-Mansilla and Garrell, 2003). Tells whether there are any.
+    /// Records in the rules of \[A\] that they acted once more, and whether that was right.
+    /// Experience counts the steps. Fitness is the share of right steps, starting with one right
+    /// step, as the accuracy of UCS (Bernadó-Mansilla and Garrell, 2003). Returns true if \[A\] has
+    /// any rules.
     pub fn record(&mut self, percept: &C::Percept, action: Action, right: bool) -> bool {
         let mut acted = Vec::new();
         self.for_each_match(percept, |id, rule| {
@@ -197,7 +198,7 @@ impl<C: Representation> Population<C> {
         !acted.is_empty()
     }
 
-    /// The same rules, all with the time stamp `time` and the effect of mapping `eam`.
+    /// Returns the same rules, all with the time stamp `time` and the effect of mapping `eam`.
     pub(super) fn stamped(&self, time: u64, eam: f32) -> Self {
         let mut stamped = Self::default();
         for rule in &self.rules {
@@ -210,7 +211,7 @@ impl<C: Representation> Population<C> {
         stamped
     }
 
-    /// The same rules, each with its eam; `None` unless there is one for each.
+    /// Returns the same rules, each with its eam; `None` unless there is one eam per rule.
     pub(super) fn with_eams(mut self, eams: &[f32]) -> Option<Self> {
         for (at, (rule, &eam)) in self.rules.iter_mut().zip(eams).enumerate() {
             rule.eam = eam;
@@ -219,7 +220,7 @@ impl<C: Representation> Population<C> {
         (self.rules.len() == eams.len()).then_some(self)
     }
 
-    /// Calls `found` with each rule that matches, in the order of the population.
+    /// Calls `found` with each matching rule, in population order.
     pub fn for_each_match(
         &self,
         percept: &C::Percept,
@@ -242,15 +243,15 @@ impl<C: Representation> From<Population<C>> for Vec<Classifier<C>> {
     }
 }
 
-/// Rules that cannot form a population.
+/// An error in a list of rules that should form a population.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("rule {number} ({condition}) {fault}")]
 pub struct PopulationError<C = Condition> {
-    /// The rule's place in the list, from 1.
+    /// The rule's position in the list, from 1.
     pub number: usize,
-    /// Its condition.
+    /// The rule's condition.
     pub condition: C,
-    /// What is wrong with it.
+    /// What is wrong with the rule.
     pub fault: &'static str,
 }
 
@@ -282,7 +283,7 @@ impl<C: Representation> TryFrom<Vec<Classifier<C>>> for Population<C> {
     }
 }
 
-/// What keeps a rule from a file out of a population with conditions of `width`.
+/// Returns the reason why a rule from a file cannot join a population with conditions of `width`.
 fn fault_of<C: Representation>(rule: &Classifier<C>, width: usize) -> Option<&'static str> {
     let figures = [rule.prediction, rule.error, rule.fitness];
     if rule.condition.width() != width {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::classifier::Classifier;
 use crate::signal::{Action, ByAction, MAX_ACTIONS};
 
-/// The value of each action in one percept; actions that no rule advocates have none.
+/// The value of each action in one percept. Actions that no rule advocates have no value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PredictionArray {
     value: [Option<f64>; MAX_ACTIONS],
@@ -13,7 +13,7 @@ pub struct PredictionArray {
 }
 
 impl PredictionArray {
-    /// An array for `actions` actions, none of which has a value yet.
+    /// Creates an array for `actions` actions without values.
     pub fn new(actions: usize) -> Self {
         Self {
             value: [None; MAX_ACTIONS],
@@ -21,27 +21,27 @@ impl PredictionArray {
         }
     }
 
-    /// Gives an action its value.
+    /// Sets the value of an action.
     pub fn set(&mut self, action: Action, value: f64) {
         self.value[action.index()] = Some(value);
     }
 
-    /// The value of an action; `None` when no rule advocates it.
+    /// Returns the value of an action; `None` if no rule advocates it.
     pub fn get(&self, action: Action) -> Option<f64> {
         self.value[action.index()]
     }
 
-    /// The value of every action, in the order of their numbers.
+    /// Returns the value of every action, in the order of the actions.
     pub fn as_slice(&self) -> &[Option<f64>] {
         &self.value[..self.actions]
     }
 
-    /// The greatest value; `None` when no action has one.
+    /// Returns the greatest value; `None` if no action has a value.
     pub fn greatest(&self) -> Option<f64> {
         self.as_slice().iter().flatten().copied().reduce(f64::max)
     }
 
-    /// All actions that attain the greatest value.
+    /// Returns all actions with the greatest value.
     pub fn best_actions(&self) -> impl Iterator<Item = Action> + Clone + '_ {
         let greatest = self.greatest();
         Action::all(self.actions)
@@ -49,17 +49,17 @@ impl PredictionArray {
     }
 }
 
-/// What the value of each action comes from, added up rule by rule.
+/// The sums that action values are computed from.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct PredictionSums {
-    /// By action: the fitness-weighted predictions, and the fitness.
+    /// By action: the sum of fitness-weighted predictions, and the sum of fitness.
     sums: ByAction<(f64, f64)>,
-    /// The same of the actions from [`MAX_ACTIONS`] on, as many as were added.
+    /// The same sums for the actions from [`MAX_ACTIONS`] on, up to the highest action added.
     wide: Vec<(f64, f64)>,
 }
 
 impl PredictionSums {
-    /// Adds a rule that matches.
+    /// Adds a matching rule.
     pub fn add<C>(&mut self, rule: &Classifier<C>) {
         let at = rule.action.index();
         let (weighted, fitness) = match self.sums.get_mut(at) {
@@ -74,8 +74,8 @@ impl PredictionSums {
         *fitness += rule.fitness;
     }
 
-    /// Returns the value of one action, as [`Self::array`] has it, also of a wide action; `None` when no
-    /// rule advocates it.
+    /// Returns the value of one action, computed as in [`Self::array`]. Also works for a wide
+    /// action. Returns `None` if no rule advocates the action.
     pub fn value(&self, action: Action, over_match_set: bool) -> Option<f64> {
         let wide = || self.wide.get(action.index() - MAX_ACTIONS);
         let &(weighted, own) = self.sums.get(action.index()).or_else(wide)?;
@@ -89,9 +89,9 @@ impl PredictionSums {
         (own > 0.0).then(|| weighted / total)
     }
 
-    /// The fitness-weighted mean prediction of each of `actions` actions. Eq. 6 as printed divides
-    /// by the fitness of all of \[M\] (`over_match_set`); XCS divides by that of the rules with
-    /// the action.
+    /// Returns the fitness-weighted mean prediction of each of `actions` actions. As printed, Eq. 6
+    /// divides by the fitness of all of \[M\] (`over_match_set`). XCS divides by the fitness of the
+    /// rules with the action.
     pub fn array(&self, actions: usize, over_match_set: bool) -> PredictionArray {
         let all: f64 = self.sums.iter().map(|(_, fitness)| fitness).sum();
         let mut array = PredictionArray::new(actions);

@@ -1,8 +1,8 @@
-//! Random numbers that are the same on every machine and in every version.
+//! Portable random numbers: the same on every machine and in every version.
 //!
-//! One root seed gives as many independent streams as there are numbers for them, so that switching
-//! one consumer off does not move the others. Only `next_u64` is taken from the generator (PCG XSL RR 128/64, whose output is
-//! documented as portable); all sampling is done here, because samplers in libraries change
+//! One root seed gives any number of independent streams, so disabling one consumer does not affect
+//! the others. Only `next_u64` is taken from the generator (PCG XSL RR 128/64, whose output is
+//! documented as portable). All sampling is implemented here, because samplers in libraries change
 //! their results between releases.
 
 use rand::Rng;
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 #[serde(try_from = "Pcg64")]
 pub struct Stream(Pcg64);
 
-/// A saved state from which no random numbers come.
+/// A saved state that would repeat one number forever.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("a saved random stream is degenerate: it would repeat one number")]
 pub struct StandsStill;
@@ -22,7 +22,7 @@ pub struct StandsStill;
 impl TryFrom<Pcg64> for Stream {
     type Error = StandsStill;
 
-    /// No seed leads to a generator that gives one number for ever, but a damaged file may.
+    /// Rejects degenerate generators. No seed leads to one, but a damaged file may contain one.
     fn try_from(generator: Pcg64) -> Result<Self, StandsStill> {
         let mut ahead = generator.clone();
         let first = ahead.next_u64();
@@ -32,8 +32,9 @@ impl TryFrom<Pcg64> for Stream {
 }
 
 impl Stream {
-    /// Stream number `which` under the root `seed`. An enum of those who draw, with a number each,
-    /// keeps the streams apart: `Stream::new(7, Draws::Noise)`, or simply `Stream::new(7, 1_u64)`.
+    /// Creates stream number `which` under the root `seed`. Use an enum with a number for each
+    /// consumer to keep the streams apart: `Stream::new(7, Draws::Noise)`, or simply
+    /// `Stream::new(7, 1_u64)`.
     pub fn new(seed: u64, which: impl Into<u64>) -> Self {
         let mut state = seed;
         let mut word = || u128::from(splitmix64(&mut state));
@@ -41,13 +42,13 @@ impl Stream {
         Self(Pcg64::new(start, u128::from(which.into())))
     }
 
-    /// 64 random bits.
+    /// Returns 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.0.next_u64()
     }
 
-    /// A whole number in `0..n`, without bias (Lemire's multiplication with rejection).
-    /// `n` is at least 1.
+    /// Returns an unbiased integer in `0..n` (Lemire's multiplication with rejection). `n` is at
+    /// least 1.
     pub fn below(&mut self, n: usize) -> usize {
         let n = n as u64;
         loop {
@@ -58,20 +59,21 @@ impl Stream {
         }
     }
 
-    /// A number in `[0, 1)` with 53 random bits.
+    /// Returns a number in `[0, 1)` with 53 random bits.
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
     }
 
-    /// True with the given probability.
+    /// Returns true with the given probability.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
     }
 
-    /// A deviate of mean 0 and standard deviation 1: the centred sum of twelve uniform 16-bit
-    /// numbers (Irwin-Hall). Bounded by 6 in size, and free of platform-dependent functions.
+    /// Returns a deviate of mean 0 and standard deviation 1: the centred sum of twelve uniform
+    /// 16-bit numbers (Irwin-Hall). The absolute value is at most 6. Uses no platform-dependent
+    /// functions.
     pub fn normal(&mut self) -> f64 {
-        // Each word is added as two lanes of 32 bits, which twelve numbers of 16 bits cannot fill.
+        // Each word is added as two lanes of 32 bits. Twelve 16-bit numbers cannot overflow a lane.
         const LANES: u64 = 0x0000_ffff_0000_ffff;
         let lanes: u64 = (0..3)
             .map(|_| self.bits())
@@ -82,14 +84,14 @@ impl Stream {
         (sum as f64 - 12.0 * 32_767.5) / 65_536.0
     }
 
-    /// Puts `items` in any order, each with the same chance (Fisher and Yates).
+    /// Shuffles `items` uniformly (Fisher and Yates).
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for left in (2..=items.len()).rev() {
             items.swap(left - 1, self.below(left));
         }
     }
 
-    /// An element of `items`, each with the same chance; `None` when there is none.
+    /// Returns a uniformly chosen element of `items`; `None` if there is none.
     pub fn choose<'a, T>(&mut self, items: &'a [T]) -> Option<&'a T> {
         if items.is_empty() {
             None
@@ -99,15 +101,15 @@ impl Stream {
     }
 }
 
-/// The root seed of replicate `number` of a study: below 2^53, so that every reader of JSON or
-/// CSV takes it exactly.
+/// Returns the root seed of replicate `number` of a study. It is below 2^53, so that every JSON or
+/// CSV reader parses it exactly.
 pub fn replicate_seed(root: u64, number: u64) -> u64 {
     let mut state = root;
     let mut state = splitmix64(&mut state).wrapping_add(number);
     splitmix64(&mut state) >> 11
 }
 
-/// The next word of the SplitMix64 sequence (Steele, Lea and Flood 2014).
+/// Returns the next word of the SplitMix64 sequence (Steele, Lea and Flood 2014).
 fn splitmix64(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let z = (*state ^ (*state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,4 +1,4 @@
-//! The representation of conditions: what XCS needs from them.
+//! The representation of conditions: the operations that XCS needs.
 
 use std::fmt;
 use std::hash::Hash;
@@ -21,28 +21,28 @@ use crate::signal::{MAX_ACTIONS, Percept};
 pub trait Representation:
     Clone + Eq + Hash + fmt::Debug + fmt::Display + Serialize + DeserializeOwned
 {
-    /// The percepts that conditions match. Cloning one must be cheap.
+    /// The type of percepts. Cloning a percept must be cheap.
     type Percept: Clone + PartialEq + fmt::Debug + Serialize + DeserializeOwned;
-    /// Finds the conditions that match a percept.
+    /// The index that finds the conditions matching a percept.
     type Index: Index<Self>;
-    /// The parameters of the operators that [`Params`] does not have.
+    /// Parameters of the operators that are not in [`Params`].
     type Settings: Clone + PartialEq + fmt::Debug + Default;
     /// The largest number of actions of a learner; at most [`WIDE_ACTIONS`](crate::WIDE_ACTIONS).
     const MAX_ACTIONS: usize;
 
-    /// Accepts settings when each lies in its range.
+    /// Checks that each setting is within its range.
     ///
     /// # Errors
-    /// The first setting that does not, with its range.
+    /// Returns the first setting out of its range, with the range.
     fn check(settings: &Self::Settings) -> Result<(), OutOfRange>;
 
     /// Returns the number of attributes.
     fn width(&self) -> usize;
 
-    /// Returns whether the condition matches a percept of the same width.
+    /// Returns true if the condition matches a percept of the same width.
     fn matches(&self, percept: &Self::Percept) -> bool;
 
-    /// Makes a condition that matches the percept (covering).
+    /// Creates a condition that matches the percept (covering).
     fn covering(
         percept: &Self::Percept,
         params: &Params,
@@ -50,7 +50,7 @@ pub trait Representation:
         stream: &mut Stream,
     ) -> Self;
 
-    /// Mutates the condition of a child that was made in the niche of the percept.
+    /// Mutates the condition of a child created in the niche of the percept.
     fn mutate(
         &mut self,
         percept: &Self::Percept,
@@ -65,11 +65,12 @@ pub trait Representation:
     /// Returns how specific the condition is; 0 for the condition that matches every percept.
     fn specificity(&self) -> f64;
 
-    /// Returns whether this condition matches everything that `other` matches, and more.
+    /// Returns true if this condition matches everything that `other` matches, and more.
     fn is_more_general_than(&self, other: &Self) -> bool;
 }
 
-/// Finds the conditions of a population that match a percept. Positions are those of the population.
+/// An index that finds the conditions of a population matching a percept. Positions are those of
+/// the population.
 pub trait Index<C>: Clone + fmt::Debug + Default
 where
     C: Representation,
@@ -80,7 +81,7 @@ where
     /// Removes the condition at `position`; the last condition takes its place.
     fn swap_remove(&mut self, position: usize);
 
-    /// Calls `found` with the position of each condition that matches, in ascending order.
+    /// Calls `found` with the position of each matching condition, in ascending order.
     fn for_each_match(&self, percept: &C::Percept, found: impl FnMut(usize));
 }
 

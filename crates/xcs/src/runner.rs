@@ -1,4 +1,4 @@
-//! The loop of perceiving, acting and learning, for any [`Environment`].
+//! The loop of perceiving, acting and learning in any [`Environment`].
 
 use crate::agent::Agent;
 use crate::bounds::OutOfRange;
@@ -8,51 +8,52 @@ use crate::params::Params;
 use crate::representation::Representation;
 use crate::signal::{Action, Percept};
 
-/// Something to act in: it shows percepts, takes actions and gives rewards.
+/// An environment: it returns percepts and rewards, and takes actions.
 ///
-/// A classification task is an environment whose episodes end after one action (single-step); in
-/// all others the reward travels back from step to step, discounted (multistep).
+/// A classification task is an environment whose episodes end after one action (single-step). In
+/// all other environments the reward is discounted and propagated back from step to step
+/// (multistep).
 pub trait Environment<C: Representation = Condition> {
-    /// The number of actions, 1 to [`Representation::MAX_ACTIONS`]; always the same.
+    /// Returns the number of actions, 1 to [`Representation::MAX_ACTIONS`]; always the same.
     fn actions(&self) -> usize;
 
-    /// Opens an episode and shows its first percept. All percepts are of the same width.
+    /// Starts an episode and returns its first percept. All percepts have the same width.
     fn begin(&mut self) -> C::Percept;
 
     /// Carries out an action, one of the first [`actions`](Self::actions).
     fn act(&mut self, action: Action) -> Response<C::Percept>;
 }
 
-/// What comes of an action.
+/// The result of an action.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response<P = Percept> {
     /// The reward, a finite number.
     pub reward: f64,
-    /// What is perceived now; `None` when the episode has ended.
+    /// The next percept; `None` when the episode has ended.
     pub next: Option<P>,
 }
 
-/// What came of an episode.
+/// The result of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Episode {
-    /// Actions carried out.
+    /// The number of actions carried out.
     pub steps: u32,
     /// The sum of the rewards.
     pub reward: f64,
-    /// Did the environment end it? Otherwise the step limit did.
+    /// True if the environment ended the episode, false if the step limit did.
     pub ended: bool,
 }
 
-/// Standard XCS in an environment, episode by episode (Butz and Wilson 2001, RUN EXPERIMENT).
+/// Standard XCS in an environment, one episode at a time (Butz and Wilson 2001, RUN EXPERIMENT).
 ///
-/// The same environment, parameters and seed give the same rules, on every machine.
+/// The same environment, parameters and seed give the same rules on every machine.
 #[derive(Debug, Clone)]
 pub struct Runner<E, C: Representation = Condition> {
     /// The environment.
     pub environment: E,
     /// The learner, with its discount factor and its exploration rate.
     pub agent: Agent<C>,
-    /// The most steps of an episode; by default 1000.
+    /// The maximum number of steps per episode; by default 1000.
     pub step_limit: u32,
 }
 
@@ -60,7 +61,7 @@ impl<E: Environment> Runner<E> {
     /// Creates an untrained learner with ternary conditions.
     ///
     /// # Errors
-    /// When a parameter, or the environment's number of actions, lies outside its range.
+    /// Returns an error if a parameter, or the environment's number of actions, is out of range.
     pub fn new(environment: E, params: Params, seed: u64) -> Result<Self, OutOfRange> {
         Self::with_settings(environment, params, (), seed)
     }
@@ -70,7 +71,8 @@ impl<C: Representation, E: Environment<C>> Runner<E, C> {
     /// Creates an untrained learner with any representation of conditions.
     ///
     /// # Errors
-    /// When a parameter, a setting, or the environment's number of actions, lies outside its range.
+    /// Returns an error if a parameter, a setting or the environment's number of actions is out of
+    /// range.
     pub fn with_settings(
         environment: E,
         params: Params,
@@ -85,13 +87,13 @@ impl<C: Representation, E: Environment<C>> Runner<E, C> {
         })
     }
 
-    /// The learner.
+    /// Returns the learner.
     pub fn xcs(&self) -> &Xcs<C> {
         self.agent.xcs()
     }
 
-    /// Learns in one episode. Each action set is updated with its reward and, unless the episode
-    /// ended there, gamma times the greatest value of the next percept, also at the step limit.
+    /// Learns in one episode. Each action set is updated with its reward. Unless the episode ended
+    /// there, gamma times the greatest value of the next percept is added, even at the step limit.
     pub fn learn(&mut self) -> Episode {
         let mut episode = Episode::default();
         let mut percept = self.environment.begin();
@@ -110,8 +112,8 @@ impl<C: Representation, E: Environment<C>> Runner<E, C> {
         episode
     }
 
-    /// Takes one of the best actions in each step of an episode, and learns nothing. An episode
-    /// ends, too, where no rule matches.
+    /// Takes one of the best actions in each step of an episode, without learning. The episode also
+    /// ends where no rule matches.
     pub fn test(&mut self) -> Episode {
         let mut episode = Episode::default();
         let mut percept = self.environment.begin();
@@ -140,8 +142,8 @@ impl<C: Representation, E: Environment<C>> Runner<E, C> {
 mod tests {
     use super::*;
 
-    /// `length` cells in a row, perceived exactly; action 1 leads on, action 0 back, and only the
-    /// far end is rewarded.
+    /// `length` cells in a row, perceived exactly. Action 1 moves forward, action 0 back. Only
+    /// reaching the far end is rewarded.
     struct Corridor {
         length: u64,
         at: u64,
@@ -181,7 +183,7 @@ mod tests {
         Runner::new(corridor, params, 1).unwrap()
     }
 
-    /// Specific rules of one corridor, so that the value is what Q-learning would reach.
+    /// Fully specific rules, so that the values converge to those of Q-learning.
     fn specific() -> Params {
         Params {
             dont_care: 0.0,
@@ -191,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn the_worth_of_each_cell_is_the_discounted_reward() {
+    fn the_value_of_each_cell_is_the_discounted_reward() {
         let mut runner = runner(specific());
         (0..300).for_each(|_| assert!(runner.learn().ended));
         for (cell, steps_left) in [(0_u64, 3), (1, 2), (2, 1), (3, 0)] {
@@ -209,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn control_without_discounted_rewards_only_the_last_cell_is_worth_something() {
+    fn control_without_discounted_rewards_only_the_last_cell_has_a_value() {
         let mut runner = runner(specific());
         runner.agent.gamma = 0.0;
         (0..300).for_each(|_| assert!(runner.learn().ended));

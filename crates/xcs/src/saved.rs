@@ -1,4 +1,4 @@
-//! \[P\] with the eam of each rule, which rules by themselves leave out, as checkpoints store it.
+//! The checkpoint form of \[P\]: the rules and the eam of each. Rules alone do not store their eam.
 
 use serde::de::{Deserialize, Deserializer, Error};
 use serde::{Serialize, Serializer};

@@ -10,18 +10,17 @@ use super::prediction::{PredictionArray, PredictionSums};
 use super::representation::Representation;
 use crate::signal::Action;
 
-/// \[M\]: the rules that match a percept, as they were when it was formed. Reused from step to
-/// step.
+/// \[M\]: the rules that matched a percept when the set was formed. Reused from step to step.
 #[derive(Debug, Clone)]
 pub struct MatchSet<C: Representation = Condition> {
     percept: Option<C::Percept>,
-    /// The rules that advocate each action, in the order of the population; as many lists as were
-    /// needed so far.
+    /// The rules that advocate each action, in population order. Has as many lists as were needed
+    /// so far.
     members: Vec<Vec<ClassifierId>>,
-    /// Micro-classifiers.
+    /// The number of micro-classifiers.
     micro: u32,
-    /// Added up while the rules are at hand: looking them up again would cost as much as finding
-    /// them.
+    /// Accumulated while \[M\] is formed, because looking the rules up again would cost as much as
+    /// finding them.
     sums: PredictionSums,
 }
 
@@ -37,7 +36,7 @@ impl<C: Representation> Default for MatchSet<C> {
 }
 
 impl<C: Representation> MatchSet<C> {
-    /// Begins \[M\] of another percept.
+    /// Clears \[M\] for another percept.
     pub(super) fn clear(&mut self, percept: &C::Percept) {
         self.percept = Some(percept.clone());
         self.members.iter_mut().for_each(Vec::clear);
@@ -45,7 +44,7 @@ impl<C: Representation> MatchSet<C> {
         self.sums = PredictionSums::default();
     }
 
-    /// Adds a rule that matches.
+    /// Adds a matching rule.
     pub(super) fn add(&mut self, id: ClassifierId, rule: &Classifier<C>) {
         let at = rule.action.index();
         if at >= self.members.len() {
@@ -56,33 +55,33 @@ impl<C: Representation> MatchSet<C> {
         self.sums.add(rule);
     }
 
-    /// Does a rule advocate the action?
+    /// Returns true if a rule advocates the action.
     pub(super) fn covers(&self, action: Action) -> bool {
         let advocates = self.members.get(action.index());
         advocates.is_some_and(|ids| !ids.is_empty())
     }
 
-    /// The prediction array of `actions` actions (Eq. 6).
+    /// Returns the prediction array of `actions` actions (Eq. 6).
     pub(super) fn prediction(&self, actions: usize, over_match_set: bool) -> PredictionArray {
         self.sums.array(actions, over_match_set)
     }
 
-    /// Returns the sums from which the value of each action comes.
+    /// Returns the sums that the action values are computed from.
     pub(super) fn sums(&self) -> &PredictionSums {
         &self.sums
     }
 
-    /// The ids of its rules, by action.
+    /// Returns the ids of the rules, by action.
     pub(super) fn members(&self) -> &[Vec<ClassifierId>] {
         &self.members
     }
 
-    /// Returns the percept of \[M\]; `None` before \[M\] was ever formed.
+    /// Returns the percept of \[M\]; `None` if \[M\] was never formed.
     pub(super) fn percept(&self) -> Option<&C::Percept> {
         self.percept.as_ref()
     }
 
-    /// Returns the set with the positions of its rules that were not deleted.
+    /// Returns the set in its file form, without deleted rules.
     pub(super) fn saved(&self, population: &Population<C>) -> Option<SavedMatchSet<C>> {
         let lists = self.members.iter();
         Some(SavedMatchSet {
@@ -93,22 +92,23 @@ impl<C: Representation> MatchSet<C> {
         })
     }
 
-    /// Micro-classifiers in \[M\] when it was formed.
+    /// Returns the number of micro-classifiers in \[M\] when it was formed.
     pub fn micro(&self) -> u32 {
         self.micro
     }
 
-    /// Macro-classifiers in \[M\] when it was formed.
+    /// Returns the number of macro-classifiers in \[M\] when it was formed.
     pub fn len(&self) -> usize {
         self.members.iter().map(Vec::len).sum()
     }
 
-    /// Does no rule match?
+    /// Returns true if no rule matches.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// \[A\]: the rules of \[M\] that advocate `action`; `None` before \[M\] was ever formed.
+    /// Returns \[A\]: the rules of \[M\] that advocate `action`. Returns `None` if \[M\] was never
+    /// formed.
     pub fn action_set(&self, action: Action) -> Option<ActionSet<C>> {
         Some(ActionSet {
             percept: self.percept.clone()?,
@@ -122,24 +122,24 @@ impl<C: Representation> MatchSet<C> {
     }
 }
 
-/// \[A\]: the rules that advocated the chosen action in a percept. It holds ids, because it may
-/// outlive rules that get deleted.
+/// \[A\]: the rules that advocated the chosen action in a percept. Stores ids, because the set may
+/// outlive deleted rules.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ActionSet<C: Representation = Condition> {
-    /// The percept that its rules match.
+    /// The percept that the rules match.
     pub percept: C::Percept,
-    /// The action that its rules advocate.
+    /// The action that the rules advocate.
     pub action: Action,
     pub(super) members: Vec<ClassifierId>,
 }
 
 impl<C: Representation> ActionSet<C> {
-    /// The ids of its rules, some of which may have been deleted since.
+    /// Returns the ids of the rules, including rules deleted since.
     pub fn members(&self) -> &[ClassifierId] {
         &self.members
     }
 
-    /// Returns the set with the positions of its rules that were not deleted.
+    /// Returns the set in its file form, without deleted rules.
     pub(super) fn saved(&self, population: &Population<C>) -> SavedActionSet<C> {
         SavedActionSet {
             percept: self.percept.clone(),
@@ -149,7 +149,7 @@ impl<C: Representation> ActionSet<C> {
     }
 }
 
-/// \[M\] as files store it, with positions in the population in place of ids.
+/// The file form of \[M\], with positions in the population in place of ids.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "C: Representation")]
 pub(super) struct SavedMatchSet<C: Representation> {
@@ -160,7 +160,7 @@ pub(super) struct SavedMatchSet<C: Representation> {
 }
 
 impl<C: Representation> SavedMatchSet<C> {
-    /// Returns the set; `None` if it is not one of this population and number of actions.
+    /// Restores the set; `None` if it does not fit this population and number of actions.
     pub fn restored(self, population: &Population<C>, actions: usize) -> Option<MatchSet<C>> {
         let lists = self.members.iter();
         let members: Option<Vec<_>> = lists.map(|list| ids(list, population)).collect();
@@ -174,7 +174,7 @@ impl<C: Representation> SavedMatchSet<C> {
     }
 }
 
-/// \[A\] as files store it, with positions in the population in place of ids.
+/// The file form of \[A\], with positions in the population in place of ids.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "C: Representation")]
 pub(super) struct SavedActionSet<C: Representation> {
@@ -185,7 +185,7 @@ pub(super) struct SavedActionSet<C: Representation> {
 }
 
 impl<C: Representation> SavedActionSet<C> {
-    /// Returns the set; `None` if it is not one of this population and number of actions.
+    /// Restores the set; `None` if it does not fit this population and number of actions.
     pub fn restored(self, population: &Population<C>, actions: usize) -> Option<ActionSet<C>> {
         let members = ids(&self.members, population)?;
         (self.action.index() < actions).then_some(ActionSet {

@@ -1,4 +1,4 @@
-//! What learner and environment exchange: [`Percept`] and [`Action`].
+//! The signals between learner and environment: [`Percept`] and [`Action`].
 
 use std::fmt;
 use std::str::FromStr;
@@ -12,15 +12,15 @@ use crate::representation::Representation;
 pub const PERCEPT_WORDS: usize = 5;
 /// The widest percept, in bits.
 pub const MAX_PERCEPT_BITS: usize = 64 * PERCEPT_WORDS;
-/// The largest number of actions that a learner can tell apart.
+/// The largest number of actions of a learner with ternary conditions.
 pub const MAX_ACTIONS: usize = 8;
 /// The largest number of actions of a learner with interval conditions.
 pub const WIDE_ACTIONS: usize = 256;
 
-/// A value for each action, also for those that an environment does not have.
+/// A value for each of [`MAX_ACTIONS`] actions, including those that an environment lacks.
 pub type ByAction<T> = [T; MAX_ACTIONS];
 
-/// What is perceived: a string of at most [`MAX_PERCEPT_BITS`] bits.
+/// A percept: a string of at most [`MAX_PERCEPT_BITS`] bits.
 ///
 /// Bit 0 is the first character of the printed form. Bits beyond the width are zero, so that
 /// equal percepts are equal word by word.
@@ -32,7 +32,7 @@ pub struct Percept {
 }
 
 impl Percept {
-    /// Collects bits in printing order; `None` when there are more than [`MAX_PERCEPT_BITS`].
+    /// Collects bits in printing order; `None` if there are more than [`MAX_PERCEPT_BITS`].
     pub fn from_bits(bits: impl IntoIterator<Item = bool>) -> Option<Self> {
         let mut words = [0; PERCEPT_WORDS];
         let mut width = 0;
@@ -46,7 +46,8 @@ impl Percept {
         })
     }
 
-    /// The lowest `width` bits (at most 64) of a machine word, the lowest first.
+    /// Creates a percept of the lowest `width` bits (at most 64) of a machine word, the lowest
+    /// first.
     pub fn from_word(word: u64, width: usize) -> Self {
         let width = width.min(64);
         let kept = u64::MAX.checked_shr(64 - width as u32).unwrap_or(0);
@@ -56,19 +57,19 @@ impl Percept {
         }
     }
 
-    /// The number of bits.
+    /// Returns the number of bits.
     pub fn width(&self) -> usize {
         usize::from(self.width)
     }
 
-    /// Bit `index`, counted from the first printed character; `false` beyond the width.
+    /// Returns bit `index`, counted from the first printed character; `false` beyond the width.
     pub fn bit(&self, index: usize) -> bool {
         self.words
             .get(index / 64)
             .is_some_and(|word| word >> (index % 64) & 1 == 1)
     }
 
-    /// Both percepts, one after the other; what goes beyond [`MAX_PERCEPT_BITS`] is lost.
+    /// Returns the concatenation of both percepts, truncated to [`MAX_PERCEPT_BITS`].
     pub fn followed_by(&self, other: &Self) -> Self {
         let (skipped, shift) = (self.width() / 64, self.width() as u32 % 64);
         let mut words = self.words;
@@ -87,14 +88,15 @@ impl Percept {
         }
     }
 
-    /// The percept with its first `ring` bits turned by `by` places: bit `by` becomes the first.
+    /// Returns the percept with its first `ring` bits rotated by `by` positions: bit `by` becomes
+    /// the first.
     pub fn turned(&self, by: usize, ring: usize) -> Self {
         let source = |at| if at < ring { (at + by) % ring } else { at };
         let bits = (0..self.width()).map(|at| self.bit(source(at)));
         Self::from_bits(bits).expect("as many bits as before")
     }
 
-    /// The bits as machine words, bit 0 lowest.
+    /// Returns the bits as machine words, bit 0 lowest.
     pub fn words(&self) -> &[u64; PERCEPT_WORDS] {
         &self.words
     }
@@ -112,7 +114,7 @@ impl fmt::Debug for Percept {
     }
 }
 
-/// A text that is no percept.
+/// A text that is not a valid percept.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is not a percept: expected at most {MAX_PERCEPT_BITS} characters, each 0 or 1")]
 pub struct PerceptError(String);
@@ -143,27 +145,27 @@ impl From<Percept> for String {
     }
 }
 
-/// What can be done: one of `0..n`, where `n` is at most [`MAX_ACTIONS`], or [`WIDE_ACTIONS`] for
-/// learners with interval conditions.
+/// An action: one of `0..n`, where `n` is at most [`MAX_ACTIONS`], or [`WIDE_ACTIONS`] for learners
+/// with interval conditions.
 ///
-/// The learner knows only the number; its meaning is the environment's.
+/// The learner knows only the number; the environment defines its meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(transparent)]
 pub struct Action(u8);
 
 impl Action {
-    /// Action number `index`; `None` from [`MAX_ACTIONS`] on.
+    /// Returns action number `index`; `None` from [`MAX_ACTIONS`] on.
     pub fn new(index: usize) -> Option<Self> {
         (index < MAX_ACTIONS).then_some(Self(index as u8))
     }
 
-    /// The first `count` actions (at most [`MAX_ACTIONS`]), in order.
+    /// Returns the first `count` actions (at most [`MAX_ACTIONS`]), in order.
     pub fn all(count: usize) -> impl DoubleEndedIterator<Item = Self> + Clone {
         (0..count.min(MAX_ACTIONS)).map(|index| Self(index as u8))
     }
 
     /// Returns action number `index` for a learner with interval conditions; `None` from
-    /// [`WIDE_ACTIONS`] on. Values by action ([`ByAction`]) have no place for such an action.
+    /// [`WIDE_ACTIONS`] on. Arrays by action ([`ByAction`]) have no entry for such an action.
     pub fn wide(index: usize) -> Option<Self> {
         u8::try_from(index).ok().map(Self)
     }
@@ -189,7 +191,7 @@ impl Action {
         )))
     }
 
-    /// The number of this action, counted from 0.
+    /// Returns the number of this action, counted from 0.
     pub fn index(self) -> usize {
         usize::from(self.0)
     }
@@ -262,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn a_letter_is_no_bit() {
+    fn other_characters_are_refused() {
         assert!("01#1".parse::<Percept>().is_err());
     }
 

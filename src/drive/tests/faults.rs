@@ -1,4 +1,4 @@
-//! Each fault, injected into what arrives, with a control.
+//! Tests each fault by tampering with the readings, with a control.
 
 use std::f64::consts::PI;
 
@@ -9,8 +9,8 @@ use super::*;
 #[test]
 fn it_rests_when_scans_cease_and_goes_on_when_they_come_back() {
     let mut rig = Rig::maze4();
-    let (steps, said) = rig.steps_to_rest(|readings| readings.scans.clear());
-    assert_eq!(said, ["no-scans"]);
+    let (steps, reported) = rig.steps_to_rest(|readings| readings.scans.clear());
+    assert_eq!(reported, ["no-scans"]);
     // Two turns of 200 ms, and one period of 50 ms.
     assert!((5..=9).contains(&steps), "{steps}");
     assert!(rig.after(10).is_empty(), "control");
@@ -20,8 +20,8 @@ fn it_rests_when_scans_cease_and_goes_on_when_they_come_back() {
 #[test]
 fn it_rests_when_odometry_ceases_and_goes_on_when_it_comes_back() {
     let mut rig = Rig::maze4();
-    let (steps, said) = rig.steps_to_rest(|readings| readings.odometry.clear());
-    assert_eq!((steps, said), (4, vec!["no-odometry"]));
+    let (steps, reported) = rig.steps_to_rest(|readings| readings.odometry.clear());
+    assert_eq!((steps, reported), (4, vec!["no-odometry"]));
     assert!(rig.after(10).is_empty(), "control");
     assert_eq!(drive(&mut rig).0.phase, Phase::AtGoal);
 }
@@ -30,25 +30,25 @@ fn it_rests_when_odometry_ceases_and_goes_on_when_it_comes_back() {
 fn stamps_that_jump_end_the_drive() {
     for by_ns in [-2_000_000_000_i64, 3_000_000_000] {
         let mut rig = Rig::maze4();
-        let (steps, said) = rig.steps_to_rest(|readings| {
+        let (steps, reported) = rig.steps_to_rest(|readings| {
             for odometry in &mut readings.odometry {
                 odometry.stamp_ns = odometry.stamp_ns.saturating_add_signed(by_ns);
             }
         });
-        assert_eq!((steps, said[0]), (1, "clock-jumped"), "{by_ns}");
+        assert_eq!((steps, reported[0]), (1, "clock-jumped"), "{by_ns}");
         assert!(rig.after(20).contains(&"clock-jumped"), "it lasts");
     }
     let mut rig = Rig::maze4();
-    let (_, said) = rig.steps_to_rest(|readings| {
+    let (_, reported) = rig.steps_to_rest(|readings| {
         for scan in &mut readings.scans {
             scan.stamp_ns -= 700_000_000;
         }
     });
-    assert_eq!(said, ["clock-jumped"]);
+    assert_eq!(reported, ["clock-jumped"]);
 }
 
 #[test]
-fn scans_whose_clock_is_not_that_of_odometry_are_refused() {
+fn scans_with_another_clock_than_odometry_are_refused() {
     let mut rig = Rig::maze4();
     let off = |readings: &mut Readings| {
         let scans = readings.scans.iter_mut();
@@ -70,8 +70,8 @@ fn scans_that_are_mostly_not_numbers_are_a_fault_and_a_few_are_not() {
             }
         }
     };
-    let (steps, said) = Rig::maze4().steps_to_rest(spoil(0.7));
-    assert_eq!(said, ["invalid-ranges"]);
+    let (steps, reported) = Rig::maze4().steps_to_rest(spoil(0.7));
+    assert_eq!(reported, ["invalid-ranges"]);
     assert!(steps <= 4, "{steps}");
     let mut rig = Rig::maze4();
     rig.until_it_drives();
@@ -81,35 +81,35 @@ fn scans_that_are_mostly_not_numbers_are_a_fault_and_a_few_are_not() {
 }
 
 #[test]
-fn odometry_that_is_no_number_is_a_fault_in_the_same_step() {
-    let (steps, said) = Rig::maze4().steps_to_rest(|readings| {
+fn nan_in_odometry_is_a_fault_in_the_same_step() {
+    let (steps, reported) = Rig::maze4().steps_to_rest(|readings| {
         readings.odometry[0].pose.translation.x = f64::NAN;
     });
-    assert_eq!((steps, said), (1, vec!["invalid-odometry"]));
+    assert_eq!((steps, reported), (1, vec!["invalid-odometry"]));
 }
 
 #[test]
 fn other_frames_and_another_lidar_are_faults() {
     let fault = |tamper: fn(&mut Readings)| Rig::maze4().steps_to_rest(tamper);
-    let (steps, said) = fault(|readings| readings.odometry[0].frame = "map".to_owned());
-    assert_eq!((steps, said), (1, vec!["wrong-frame"]));
-    let (steps, said) = fault(|readings| readings.odometry[0].child_frame = "arm".to_owned());
-    assert_eq!((steps, said), (1, vec!["wrong-frame"]));
-    let (_, said) = fault(|readings| {
+    let (steps, reported) = fault(|readings| readings.odometry[0].frame = "map".to_owned());
+    assert_eq!((steps, reported), (1, vec!["wrong-frame"]));
+    let (steps, reported) = fault(|readings| readings.odometry[0].child_frame = "arm".to_owned());
+    assert_eq!((steps, reported), (1, vec!["wrong-frame"]));
+    let (_, reported) = fault(|readings| {
         let scans = readings.scans.iter_mut();
         scans.for_each(|scan| scan.frame = "camera".to_owned());
     });
-    assert_eq!(said, ["wrong-frame"]);
-    let (_, said) = fault(|readings| {
+    assert_eq!(reported, ["wrong-frame"]);
+    let (_, reported) = fault(|readings| {
         let scans = readings.scans.iter_mut();
         scans.for_each(|scan| scan.ranges_m.truncate(20));
     });
-    assert_eq!(said, ["wrong-lidar"]);
-    let (_, said) = fault(|readings| {
+    assert_eq!(reported, ["wrong-lidar"]);
+    let (_, reported) = fault(|readings| {
         let scans = readings.scans.iter_mut();
         scans.for_each(|scan| scan.range_max_m = 3.5);
     });
-    assert_eq!(said, ["wrong-lidar"]);
+    assert_eq!(reported, ["wrong-lidar"]);
     let mut rig = Rig::maze4();
     rig.until_it_drives();
     let slash = |readings: &mut Readings| readings.odometry[0].frame = "/odom".to_owned();
@@ -117,16 +117,16 @@ fn other_frames_and_another_lidar_are_faults() {
 }
 
 #[test]
-fn another_publisher_and_a_peer_that_cannot_hear_are_faults_while_they_last() {
+fn another_publisher_and_an_incompatible_peer_are_faults_while_they_last() {
     let mut rig = Rig::maze4();
-    let (steps, said) = rig.steps_to_rest(|readings| readings.network.other_publishers = 1);
-    assert_eq!((steps, said), (1, vec!["other-publisher"]));
+    let (steps, reported) = rig.steps_to_rest(|readings| readings.network.other_publishers = 1);
+    assert_eq!((steps, reported), (1, vec!["other-publisher"]));
     assert!(rig.after(2).is_empty(), "control");
-    let (steps, said) = rig.steps_to_rest(|readings| {
+    let (steps, reported) = rig.steps_to_rest(|readings| {
         let cause = "the subscriber wants transient-local messages".to_owned();
         readings.network.incompatible = vec![("/cmd_vel".to_owned(), cause)];
     });
-    assert_eq!((steps, said), (1, vec!["wrong-qos"]));
+    assert_eq!((steps, reported), (1, vec!["wrong-qos"]));
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn an_interrupted_driver_rests_for_good() {
 }
 
 #[test]
-fn a_robot_that_stands_elsewhere_than_it_was_told_is_mislocalised() {
+fn a_robot_that_starts_elsewhere_than_configured_is_mislocalised() {
     let maze = maze4();
     let physics = Plan::new(maze.clone()).config.settings.physics;
     let start = maze.start().unwrap();

@@ -19,7 +19,7 @@ fn maze4() -> Maze {
     Maze::load("worlds/maze4.json".as_ref()).unwrap()
 }
 
-/// A plan, and a table with the shortest paths. In `wrong` cells it says the opposite.
+/// Returns a plan, and a table with the shortest paths. The table is inverted in `wrong` cells.
 fn policy(maze: Maze, wrong: impl Fn(Cell) -> bool) -> (Plan, Knowledge) {
     let plan = Plan::new(maze).sensor(Sensor::LidarPosition);
     let maze = &plan.maze;
@@ -35,11 +35,11 @@ fn policy(maze: Maze, wrong: impl Fn(Cell) -> bool) -> (Plan, Knowledge) {
     (plan, knowledge)
 }
 
-/// A simulated robot and a driver that know each other by messages only.
+/// A simulated robot and a driver that exchange messages only.
 struct Rig {
     robot: SimulatedRobot,
     driver: Driver,
-    /// The steady clock begins elsewhere than simulated time.
+    /// The steady clock, which starts at another time than simulated time.
     now_ns: u64,
 }
 
@@ -59,7 +59,7 @@ impl Rig {
         Self::new(maze4(), 1, DriveOptions::default())
     }
 
-    /// 50 ms of both; `tamper` changes what arrives.
+    /// Advances both by 50 ms. `tamper` changes the readings.
     fn tick(&mut self, tamper: impl FnOnce(&mut Readings)) -> DriverStep {
         let SimulatedReadings {
             odometry,
@@ -80,7 +80,7 @@ impl Rig {
         step
     }
 
-    /// Ticks until the robot drives for a while, without faults.
+    /// Ticks until the robot has driven for a while, without faults.
     fn until_it_drives(&mut self) {
         let mut moving = 0;
         for _ in 0..200 {
@@ -97,7 +97,7 @@ impl Rig {
         panic!("it does not drive");
     }
 
-    /// Injects a fault, and returns the steps until the robot is commanded to rest, with what was said then.
+    /// Injects a fault. Returns the number of steps until the driver commands rest, and the names of the faults.
     fn steps_to_rest(&mut self, tamper: impl Fn(&mut Readings)) -> (u32, Vec<&'static str>) {
         self.until_it_drives();
         for count in 1..=40 {
@@ -110,14 +110,14 @@ impl Rig {
         panic!("no fault");
     }
 
-    /// What is said once what arrives is as it should be again, after so many steps.
+    /// Returns the names of the faults this many steps after the tampering ended.
     fn after(&mut self, steps: u32) -> Vec<&'static str> {
         let last = (0..steps).map(|_| self.tick(|_| ())).last().unwrap();
         last.faults.iter().map(Fault::name).collect()
     }
 }
 
-/// Drives to the end: the phase, the decisions, and the impulses of all hits.
+/// Drives to the end. Returns the last step, the decisions, and the total impulse of all collisions.
 fn drive(rig: &mut Rig) -> (DriverStep, Vec<Decision>, f64) {
     let (mut decisions, mut impulse_ns) = (Vec::new(), 0.0);
     for _ in 0..4_000 {
@@ -125,8 +125,8 @@ fn drive(rig: &mut Rig) -> (DriverStep, Vec<Decision>, f64) {
         impulse_ns += rig.robot.impulse_ns();
         decisions.extend(step.decision.clone());
         let is_over = matches!(step.phase, Phase::AtGoal | Phase::OutOfSteps);
-        let is_lost = step.faults.iter().any(Fault::is_final);
-        if is_over || is_lost {
+        let has_failed = step.faults.iter().any(Fault::is_final);
+        if is_over || has_failed {
             return (step, decisions, impulse_ns);
         }
     }
@@ -191,7 +191,7 @@ fn a_recorded_drive_gives_the_same_decisions_again() {
 }
 
 #[test]
-fn it_drives_a_turned_maze_and_from_a_start_of_its_own() {
+fn it_drives_in_a_rotated_maze_and_from_a_given_start() {
     let text = std::fs::read_to_string("worlds/maze4.json").unwrap();
     let turned = text.replace("\"rows\"", "\"origin\": [-3.5, 8.25, 0.7], \"rows\"");
     let maze = Maze::from_json(turned.as_bytes(), "turned.json").unwrap();
@@ -215,8 +215,8 @@ fn it_drives_a_turned_maze_and_from_a_start_of_its_own() {
     assert_eq!(drive(&mut rig).0.phase, Phase::AtGoal);
 }
 
-/// Drives with every n-th reading of the gyro lost: how many of eight drives reach the goal. All others must notice that they are
-/// mislocalised.
+/// Drives with every n-th gyro reading lost. Returns how many of eight drives reach the goal. The others must detect
+/// that they are mislocalised.
 fn reached_without(every: usize) -> usize {
     let reaches = |seed: &u64| {
         let mut rig = Rig::new(maze4(), *seed, DriveOptions::default());
@@ -239,18 +239,18 @@ fn reached_without(every: usize) -> usize {
 }
 
 #[test]
-fn lost_readings_of_the_gyro_do_no_harm() {
+fn lost_gyro_readings_do_no_harm() {
     assert_eq!([3, 4].map(reached_without), [8, 8]);
 }
 
 #[test]
-fn a_robot_without_a_gyro_reaches_the_goal_or_notices_that_it_is_mislocalised() {
+fn a_robot_without_a_gyro_reaches_the_goal_or_detects_that_it_is_mislocalised() {
     let reached = reached_without(1);
     assert!((4..8).contains(&reached), "{reached}");
 }
 
 #[test]
-fn a_wall_is_seen_and_not_touched() {
+fn a_wall_is_detected_without_contact() {
     let (plan, knowledge) = policy(maze4(), |cell| (cell.col, cell.row) == (1, 1));
     let mut rig = Rig::maze4();
     let setup = DriveSetup::new(&plan, &knowledge, DriveOptions::default()).unwrap();
@@ -321,7 +321,7 @@ fn a_policy_for_another_robot_or_other_cells_is_refused() {
 }
 
 #[test]
-fn a_percept_that_is_looked_up_is_refused() {
+fn a_ground_truth_percept_is_refused() {
     let plan = Plan::new(maze4()).sensor(Sensor::Position);
     let knowledge = Knowledge::Table(std::collections::BTreeMap::new());
     let refused = DriveSetup::new(&plan, &knowledge, DriveOptions::default());

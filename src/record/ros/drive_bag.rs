@@ -1,4 +1,4 @@
-//! Recordings of drives: what arrived, what was commanded, and why.
+//! Recordings of drives: sensor readings, commands and decisions.
 
 use std::fs::{File, OpenOptions};
 use std::io::BufWriter;
@@ -50,20 +50,21 @@ const TOPICS: [RosTopic; 10] = [
 
 /// Writes the recording of a drive, message by message.
 ///
-/// What arrived between two steps of the driver has the time of the step, so that the drive can be repeated.
+/// Readings that arrived between two steps of the driver get the time of the later step, so that
+/// the drive can be repeated.
 pub struct DriveBag {
     path: PathBuf,
     writer: RosWriter<BufWriter<File>>,
-    /// The faults that were written last.
+    /// The names of the faults in the last fault message.
     faults: Vec<&'static str>,
     clock_ns: Option<u64>,
 }
 
 impl DriveBag {
-    /// Begins a recording in a new file, with the walls of the maze.
+    /// Starts a recording in a new file, with the walls of the maze.
     ///
     /// # Errors
-    /// When the file exists, unless it may be replaced, or cannot be written.
+    /// Returns an error if the file cannot be written, or exists and must not be replaced.
     pub fn create(
         path: &Path,
         replace: bool,
@@ -84,10 +85,10 @@ impl DriveBag {
         Ok(bag)
     }
 
-    /// Writes what arrived until a step of the driver, and what the driver made of it.
+    /// Writes the readings that arrived until a step of the driver, and the result of the step.
     ///
     /// # Errors
-    /// When the disk is full, or fails.
+    /// Returns an error if the disk is full or fails.
     pub fn step(
         &mut self,
         time_ns: u64,
@@ -146,30 +147,32 @@ impl DriveBag {
         written.map_err(RecordError::write(&self.path))
     }
 
-    /// Ends the recording.
+    /// Finishes the recording.
     ///
     /// # Errors
-    /// When the disk is full, or fails.
+    /// Returns an error if the disk is full or fails.
     pub fn finish(self) -> Result<(), RecordError> {
         let ended = self.writer.finish().map(drop);
         ended.map_err(RecordError::write(&self.path))
     }
 }
 
-/// What a drive, or a bag of another program, recorded of a robot.
+/// The contents of a recorded drive, or of a bag from another program.
 #[derive(Debug, Clone, Default)]
 pub struct DriveRecording {
-    /// What arrived, by the time when it was recorded in nanoseconds.
+    /// The readings, by the time when they were recorded, in nanoseconds.
     pub readings: Vec<(u64, Readings)>,
-    /// The decisions of the driver, in words; empty in bags of other programs.
+    /// The decisions of the driver as text; empty in bags from other programs.
     pub decisions: Vec<String>,
 }
 
 impl DriveRecording {
-    /// Reads `/scan`, `/odom`, `/imu` and `/clock`, in any namespace, from an MCAP file in the encoding of ROS 2.
+    /// Reads `/scan`, `/odom`, `/imu` and `/clock`, in any namespace, from an MCAP file in the
+    /// encoding of ROS 2.
     ///
     /// # Errors
-    /// When the file cannot be read, is damaged, or has other messages under these names.
+    /// Returns an error if the file cannot be read, is damaged, or has other message types under
+    /// these names.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
         let bytes = disk::read(path, disk::MOST_BYTES).map_err(RecordError::read(path))?;
         let damaged = RecordError::damaged::<String>(path);
@@ -212,7 +215,7 @@ impl DriveRecording {
                 *clock_ns = Some(decoded::<Clock>(data)?.clock.nanoseconds());
                 self.at(time_ns, *clock_ns);
             }
-            // The driver was called, maybe because nothing arrived for a while.
+            // Add an entry for the call of the driver, even if no readings arrived.
             "cmd_vel" => {
                 self.at(time_ns, *clock_ns);
             }
@@ -224,7 +227,7 @@ impl DriveRecording {
         Ok(())
     }
 
-    /// The readings of a time.
+    /// Returns the readings at a time.
     fn at(&mut self, time_ns: u64, clock_ns: Option<u64>) -> &mut Readings {
         if self
             .readings
@@ -240,7 +243,7 @@ impl DriveRecording {
     }
 }
 
-/// A message with the four bytes that name its encoding.
+/// Decodes a message with its four-byte encapsulation header.
 fn decoded<M: DeserializeOwned>(data: &[u8]) -> Result<M, String> {
     match data.split_at_checked(ENCAPSULATION.len()) {
         Some((head, body)) if head[..2] == ENCAPSULATION[..2] => {

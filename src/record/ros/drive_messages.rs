@@ -1,4 +1,5 @@
-//! The messages that a driven robot needs beside those of recordings, and what the driver reads of each.
+//! Messages of driven robots, in addition to those of recordings, and their conversion to the
+//! driver's readings.
 
 use std::borrow::Cow;
 
@@ -52,14 +53,14 @@ pub struct Text {
 }
 
 impl Time {
-    /// Nanoseconds since the beginning of the clock; 0 for times before it.
+    /// Returns the nanoseconds since the start of the clock; 0 for earlier times.
     pub fn nanoseconds(self) -> u64 {
         u64::try_from(self.sec).unwrap_or(0) * 1_000_000_000 + u64::from(self.nanosec)
     }
 }
 
 impl Clock {
-    /// A time in nanoseconds.
+    /// Creates a message from a time in nanoseconds.
     pub fn new(time_ns: u64) -> Self {
         Self {
             clock: time(time_ns),
@@ -68,14 +69,14 @@ impl Clock {
 }
 
 impl Text {
-    /// A text.
+    /// Creates a message from a text.
     pub fn new(text: impl Into<Cow<'static, str>>) -> Self {
         Self { data: text.into() }
     }
 }
 
 impl Pose {
-    /// The pose on the floor. Its numbers may be invalid, as those of the message.
+    /// Returns the pose on the floor. Its numbers may be invalid, like those of the message.
     fn on_floor(&self) -> Isometry2<f64> {
         let Quaternion { x, y, z, w } = self.orientation;
         let heading = Complex::new(1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y));
@@ -98,7 +99,7 @@ impl From<Speeds> for Twist {
 
 #[cfg(feature = "ros2")]
 impl TwistStamped {
-    /// Speeds in the frame of the robot.
+    /// Creates a message from speeds in the frame of the robot.
     pub fn new(time_ns: u64, speeds: Speeds) -> Self {
         Self {
             header: header(time_ns, BASE),
@@ -161,7 +162,7 @@ impl From<&Imu> for drive::Imu {
 
 impl From<&drive::Imu> for Imu {
     fn from(imu: &drive::Imu) -> Self {
-        // By the definition of the message, -1 says that there is no such estimate.
+        // By the definition of the message, -1 means that there is no orientation estimate.
         let mut unknown = [0.0; 9];
         unknown[0] = -1.0;
         Self {
@@ -226,7 +227,7 @@ mod tests {
     use nalgebra::Vector2;
     use serde::de::DeserializeOwned;
 
-    /// What arrives of a message that is sent.
+    /// Encodes and decodes a message.
     fn sent<M: Serialize + DeserializeOwned>(message: &M) -> M {
         let bytes = cdr_encoding::to_vec::<_, LittleEndian>(message).unwrap();
         cdr_encoding::from_bytes::<M, LittleEndian>(&bytes)
@@ -235,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn what_arrives_is_what_was_sent() {
+    fn messages_survive_encoding_and_decoding() {
         let odometry = drive::Odometry {
             stamp_ns: 1_234_567_890_123,
             frame: "odom".to_owned(),

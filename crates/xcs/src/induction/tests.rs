@@ -1,6 +1,6 @@
 use super::*;
 
-/// The rules for percepts of which the last bit tells what the first two tell together: is one of them set?
+/// Learns rules for percepts whose last bit tells whether any of the first two bits is set.
 fn learned(induction: Induction) -> Population {
     let mut labelled_examples = LabelledExamples::default();
     for (number, percept) in ["000", "110", "011", "101"].iter().enumerate() {
@@ -33,14 +33,14 @@ fn a_rule_looks_at_a_later_part_only_where_the_earlier_does_not_suffice() {
     assert_eq!(in_two.len(), 4);
     assert!(!in_two.rules().iter().any(looks_at_the_last_bit));
 
-    // The first bit alone tells nothing; what is left may look at all.
+    // The first bit alone tells nothing, so the rules may use all others.
     let in_halves = learned(Induction::in_parts(&[1], Record::LabelledExamples));
     assert_eq!(in_halves.len(), 2);
     assert!(in_halves.rules().iter().all(looks_at_the_last_bit));
 }
 
 #[test]
-fn figures_are_those_of_the_lessons_or_a_record_of_steps() {
+fn statistics_come_from_the_examples_or_a_record_of_steps() {
     let figures = |rule: &Classifier| (rule.prediction, rule.experience, rule.fitness);
     let of_examples = learned(Induction::in_parts(&[1], Record::LabelledExamples));
     assert!(
@@ -58,7 +58,7 @@ fn figures_are_those_of_the_lessons_or_a_record_of_steps() {
     );
 }
 #[test]
-fn a_rule_that_covers_no_lesson_keeps_its_figures() {
+fn a_rule_that_covers_no_example_keeps_its_figures() {
     let mut best = crate::ByAction::default();
     best[0] = true;
     let percept = "00".parse().unwrap();
@@ -88,7 +88,7 @@ fn a_rule_that_covers_no_lesson_keeps_its_figures() {
 }
 
 #[test]
-fn a_rule_that_covers_no_lesson_stays_when_something_else_is_learned() {
+fn a_rule_that_covers_no_example_stays_when_something_else_is_learned() {
     let labelled_example = |percept: &str, action: usize| {
         let mut best = crate::ByAction::default();
         best[action] = true;

@@ -42,7 +42,7 @@ fn values_outside_of_the_range_are_moved_into_it_and_nan_is_refused() {
 }
 
 #[test]
-fn bounds_that_are_no_interval_are_refused() {
+fn invalid_bounds_are_refused() {
     for bounds in [
         [0.5, 0.4],
         [-0.1, 0.5],
@@ -142,7 +142,7 @@ fn conditions_print_with_two_decimals_and_a_hash_for_a_dont_care() {
 }
 
 #[test]
-fn a_condition_is_read_as_it_was_written_and_a_false_one_is_refused() {
+fn a_condition_is_read_as_it_was_written_and_an_invalid_one_is_refused() {
     let rule = condition(&[[0.1, 0.30000000000000004], [0.0, 1.0]]);
     let text = serde_json::to_string(&rule).unwrap();
     assert_eq!(text, "[[0.1,0.30000000000000004],[0.0,1.0]]");

@@ -44,7 +44,7 @@ fn a_record_is_kept_by_the_rules_that_match_and_have_the_action() {
             .get(id)
             .map(|rule| (rule.experience, rule.fitness))
     };
-    // One right step to begin with, and two of three.
+    // The record starts with one right step; two of three further steps are right.
     assert_eq!(record(acting), Some((3, 0.75)));
     assert_eq!(others.map(record), [Some((0, 1.0)); 2]);
 }
@@ -63,7 +63,7 @@ fn a_removed_rule_neither_matches_nor_blocks_a_twin() {
 }
 
 #[test]
-fn rules_that_contradict_each_other_are_refused_with_their_place() {
+fn rules_that_contradict_each_other_are_refused_with_their_position() {
     let refuse = |rules: Vec<Classifier>| Population::try_from(rules).unwrap_err().to_string();
     assert_eq!(
         refuse(vec![rule("01", 1), rule("0", 1)]),
@@ -107,7 +107,7 @@ proptest! {
     }
 
     #[test]
-    fn a_population_survives_json_to_the_bit(
+    fn a_population_survives_json_bit_for_bit(
         figures in prop::collection::vec((any::<f64>(), 1e-300_f64..1.0), 1..20),
     ) {
         let rules = figures.iter().enumerate().filter(|(_, (p, _))| p.abs() <= 1e100);

@@ -1,4 +1,5 @@
-//! The onboard computer and the controller of a robot that somebody else moves: a real one, or one behind a network.
+//! The onboard computer and the controller of a robot outside of the arena: a real one, or one
+//! behind a network.
 
 use nalgebra::{Isometry2, Vector2};
 use xcscr_sensing::{Onboard, Readings};
@@ -25,27 +26,29 @@ pub struct Speeds {
 /// How a manoeuvre ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ManeuverEnd {
-    /// The robot is in the cell that it wanted to reach.
+    /// The robot is in the target cell.
     Reached,
-    /// A wall was in the way, and the robot is back in the cell where it began.
+    /// A wall blocked the robot, and it is back in the cell where it started.
     Blocked,
     /// The robot is in another cell.
     Elsewhere,
 }
 
-/// A manoeuvre under way.
+/// The current manoeuvre.
 struct Action {
     maneuver: Maneuver,
-    /// The cell where it began, counted to the east and to the north.
+    /// The cell where the manoeuvre started, counted to the east and to the north.
     home: [i32; 2],
-    /// The cell that it leads to.
+    /// The target cell.
     wanted: [i32; 2],
 }
 
-/// The onboard computer and the controller of [`PhysicsArena`](super::PhysicsArena), for a robot that is not simulated there.
+/// The onboard computer and the controller of [`PhysicsArena`](super::PhysicsArena), for a robot
+/// that the arena does not simulate.
 ///
-/// The filter takes sensor readings in steps of 50 ms ([`sense`](Self::sense)), which may be late. The controller takes the
-/// pose of now ([`command`](Self::command)). All poses are in the grid frame, in metres.
+/// The filter processes sensor readings in steps of 50 ms ([`sense`](Self::sense)), possibly late.
+/// The controller uses the current pose ([`command`](Self::command)). All poses are in the grid
+/// frame, in metres.
 pub struct Pilot {
     onboard: Onboard,
     params: PhysicsParams,
@@ -55,7 +58,7 @@ pub struct Pilot {
 }
 
 impl Pilot {
-    /// A robot of such settings, in a maze with cells of `cell_size_m`.
+    /// Creates a pilot for a robot with these settings, in a maze with cells of `cell_size_m`.
     pub fn new(params: &PhysicsParams, cell_size_m: f64) -> Self {
         Self {
             onboard: Onboard::new(&params.robot(cell_size_m)),
@@ -66,23 +69,24 @@ impl Pilot {
         }
     }
 
-    /// The robot stands at a pose, within about a centimetre.
+    /// Sets the pose of the robot, accurate to about a centimetre.
     pub fn put_down(&mut self, pose: Isometry2<f64>) {
         self.onboard.put_down(pose);
         self.action = None;
     }
 
-    /// Takes in what the sensors read in the next 50 ms.
+    /// Processes the sensor readings of the next 50 ms.
     pub fn sense(&mut self, readings: &Readings<'_>) {
         self.onboard.step(readings);
     }
 
-    /// The onboard computer, for its estimates.
+    /// Returns the onboard computer, for its estimates.
     pub fn onboard(&self) -> &Onboard {
         &self.onboard
     }
 
-    /// Begins to drive one cell in a direction, from a pose at such speeds. What was seen before is forgotten.
+    /// Starts to drive one cell in a direction, from a pose and speeds. Discards earlier
+    /// observations.
     pub fn begin(&mut self, direction: Direction, pose: Isometry2<f64>, speeds: Speeds) {
         self.onboard.begin_action();
         let home = self.onboard.cell();
@@ -96,8 +100,9 @@ impl Pilot {
         });
     }
 
-    /// The speeds that the manoeuvre asks for, for a robot at such a pose and with such speeds; `None` once it is over, and
-    /// without one. They never exceed the robot's settings.
+    /// Returns the commanded speeds of the manoeuvre for a robot at this pose and with these
+    /// speeds. Returns `None` if the manoeuvre is over, or there is none. The speeds never exceed
+    /// the robot's settings.
     pub fn command(&mut self, pose: Isometry2<f64>, speeds: Speeds) -> Option<Speeds> {
         let slips = self.onboard.slips();
         let params = match self.params.cautious.when {
@@ -116,9 +121,10 @@ impl Pilot {
         })
     }
 
-    /// The direction in which the robot drives toward another cell while a wall could keep it from there: a unit vector. `None`
-    /// while it turns, in the second half of the way, and on its way back.
-    pub fn way(&self, pose: Isometry2<f64>) -> Option<Vector2<f64>> {
+    /// Returns the direction of travel as a unit vector while a wall could block the manoeuvre.
+    /// Returns `None` while the robot turns, in the second half of the path, and while it backs
+    /// off.
+    pub fn travel_direction(&self, pose: Isometry2<f64>) -> Option<Vector2<f64>> {
         let maneuver = &self.action.as_ref()?.maneuver;
         let seen = motion(pose, Speeds::default());
         maneuver
@@ -126,14 +132,14 @@ impl Pilot {
             .then(|| maneuver.along())
     }
 
-    /// Something is in the way: the robot drives back to where it began.
+    /// Makes the robot drive back to where the manoeuvre started, because of an obstacle.
     pub fn back_off(&mut self) {
         if let Some(action) = &mut self.action {
             action.maneuver.back_off();
         }
     }
 
-    /// Ends the manoeuvre and returns how, by the estimated cell; `None` without one.
+    /// Ends the manoeuvre. Returns its end by the estimated cell; `None` without a manoeuvre.
     pub fn end(&mut self) -> Option<ManeuverEnd> {
         let action = self.action.take()?;
         let cell = self.onboard.cell();
@@ -146,12 +152,13 @@ impl Pilot {
         })
     }
 
-    /// The estimated cell of a maze; `None` outside of it.
+    /// Returns the estimated cell of a maze; `None` outside of the maze.
     pub fn cell(&self, maze: &Maze) -> Option<Cell> {
         maze.cell_in_grid(self.onboard.estimate().0.translation.vector.into())
     }
 
-    /// The percept of what was seen since the manoeuvre began; `None` outside of the maze.
+    /// Returns the percept from the observations since the manoeuvre began; `None` outside of the
+    /// maze.
     pub fn percept(&self, maze: &Maze, sensor: Sensor) -> Option<Percept> {
         let cell = self.cell(maze)?;
         let (robot_in_grid, covariance) = self.onboard.estimate();
@@ -192,7 +199,7 @@ fn motion(pose: Isometry2<f64>, speeds: Speeds) -> Motion {
     }
 }
 
-/// A number that is at most so large; 0 for what is no number.
+/// Clamps a number to `-most` to `most`. NaN becomes 0.
 fn within(number: f64, most: f64) -> f64 {
     match number.is_nan() {
         true => 0.0,

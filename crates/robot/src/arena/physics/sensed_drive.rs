@@ -1,4 +1,4 @@
-//! The simulated robot without its controller and its onboard computer: speeds in, sensor readings out.
+//! The simulated robot without its controller and onboard computer: speeds in, sensor readings out.
 
 use nalgebra::{Isometry2, Vector2};
 use rapier2d::prelude::Rotation;
@@ -12,12 +12,12 @@ use crate::arena::View;
 use crate::world::Maze;
 use xcscr_sensing::{Moment, Readings, Return, Sensors};
 
-/// A simulated robot that is driven by speeds and reads its sensors, in steps of 50 ms.
+/// A simulated robot that is controlled by speeds and reads its sensors, in steps of 50 ms.
 ///
-/// Body, wheels, floor, walls, sensors and noise are those of [`PhysicsArena`].
+/// Body, wheels, floor, walls, sensors and noise are the same as in [`PhysicsArena`].
 pub struct SensedDrive {
     arena: PhysicsArena,
-    /// The share by which each wheel turns too fast since the robot last stood still.
+    /// The share by which each wheel turns too fast, drawn whenever the robot starts from rest.
     bias: [f64; 2],
     was_at_rest: bool,
     sensors: Sensors,
@@ -26,10 +26,10 @@ pub struct SensedDrive {
 }
 
 impl SensedDrive {
-    /// A robot at rest in the first start cell. All noise follows from `seed`.
+    /// Creates a robot at rest in the first start cell. All noise derives from `seed`.
     ///
     /// # Errors
-    /// When a setting is out of range, or the world makes no sense in physics.
+    /// Returns an error if a setting is out of range, or the world is not valid in physics.
     pub fn new(maze: Maze, params: &PhysicsParams, seed: u64) -> Result<Self, PhysicsError> {
         let robot = params.robot(maze.cell_size_m());
         // The onboard computer of the arena is not needed here.
@@ -46,7 +46,7 @@ impl SensedDrive {
         })
     }
 
-    /// Puts the robot down at rest, at a pose of the grid frame in metres. Time goes on.
+    /// Places the robot at rest at a pose of the grid frame, in metres. Time continues.
     pub fn put_down(&mut self, pose: Isometry2<f64>) {
         let start = self.arena.maze.starts().next();
         let start = start.unwrap_or(self.arena.cell);
@@ -62,7 +62,8 @@ impl SensedDrive {
         self.was_at_rest = true;
     }
 
-    /// Drives for 50 ms with the wanted speeds, at most those of the robot's settings, and reads the sensors.
+    /// Drives for 50 ms at the commanded speeds, limited by the robot's settings, and reads the
+    /// sensors.
     pub fn step(&mut self, speeds: Speeds) -> Readings<'_> {
         let arena = &mut self.arena;
         arena.begin_trace();
@@ -93,22 +94,22 @@ impl SensedDrive {
         self.sensors.read(&arena.maze, &moment, &mut self.returns)
     }
 
-    /// What can be seen of the arena: the true pose, and the hits of the last step.
+    /// Returns the view of the arena: the true pose, and the collisions of the last step.
     pub fn view(&self) -> View<'_> {
         self.arena.view()
     }
 
-    /// The true pose in the grid frame, in metres.
+    /// Returns the true pose in the grid frame, in metres.
     pub fn pose(&self) -> Isometry2<f64> {
         self.arena.motion().pose
     }
 
-    /// The settings of the robot.
+    /// Returns the settings of the robot.
     pub fn params(&self) -> &PhysicsParams {
         &self.arena.params
     }
 
-    /// Simulated time since the beginning, in nanoseconds.
+    /// Returns the simulated time since the start, in nanoseconds.
     pub fn time_ns(&self) -> u64 {
         self.arena.time_ns()
     }
@@ -129,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn its_sensors_read_what_the_robot_does() {
+    fn sensor_readings_match_the_motion_of_the_robot() {
         let mut drive = drive();
         drive.put_down(Isometry2::new(Vector2::new(1.5, 1.5), 0.0));
         let (mut rolled_m, mut turned_rad) = (0.0, 0.0);

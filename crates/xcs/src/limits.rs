@@ -1,22 +1,22 @@
-//! The widest percept and all actions that there can be.
+//! Tests with the widest percepts and the largest number of actions.
 
 use crate::{
     Action, ByAction, Environment, LabelledExample, LabelledExamples, MAX_ACTIONS,
     MAX_PERCEPT_BITS, Params, Percept, Population, Response, Runner,
 };
 
-/// Bits that tell which action is right: the first and the last.
+/// The bits that determine the right action: the first and the last.
 const TELLING: [usize; 2] = [0, MAX_PERCEPT_BITS - 1];
 const SITUATIONS: usize = 1 << TELLING.len();
 
-/// One action is right in each situation, the first and the last among them.
+/// One action is right in each situation. The first and the last action are among them.
 struct Lock {
     turn: usize,
-    /// Does the percept tell the situation?
+    /// True if the percept shows the situation.
     tells: bool,
 }
 
-/// A percept whose telling bits are those of a number; every third of the others is 1.
+/// Returns a percept whose telling bits are those of a number. Every third of the other bits is 1.
 fn percept(telling: usize) -> Percept {
     let bits = (0..MAX_PERCEPT_BITS).map(|bit| {
         let place = TELLING.iter().position(|&at| at == bit);
@@ -48,7 +48,8 @@ impl Environment for Lock {
     }
 }
 
-/// The situations in which the right action is taken at the end.
+/// Returns the number of situations in which the right action is taken after learning, and the
+/// rules.
 fn opened(tells: bool) -> (usize, Population) {
     let params = Params {
         population_size: 3072,
@@ -63,12 +64,12 @@ fn opened(tells: bool) -> (usize, Population) {
 }
 
 #[test]
-fn the_bounds_are_those_of_the_documentation() {
+fn the_limits_match_the_documentation() {
     assert_eq!((MAX_PERCEPT_BITS, MAX_ACTIONS), (320, 8));
 }
 
 #[test]
-fn percepts_as_wide_and_actions_as_many_as_there_can_be_are_learned_and_kept() {
+fn the_widest_percepts_and_all_actions_are_learned_and_saved() {
     let (right, learned) = opened(true);
     assert_eq!(right, SITUATIONS);
     let text = serde_json::to_string(&learned).unwrap();
@@ -111,7 +112,7 @@ fn one_action_more_is_refused_and_the_message_names_the_bound() {
 }
 
 #[test]
-fn lessons_of_all_actions_survive_a_file() {
+fn labelled_examples_of_all_actions_survive_a_file() {
     let mut labelled_examples = LabelledExamples::default();
     for situation in 0..SITUATIONS {
         let mut best = ByAction::default();
