@@ -3,22 +3,22 @@
 //! The rules keep voting as in this program, but with integers. A microcontroller without floating
 //! point chooses the same action. [`QuantisedPolicy`] finds the smallest integer sizes for which
 //! this holds. Rules with a map are exported with their maps as a table, and with a tracker that
-//! follows the robot on them (`memory`). Source code also converts a pose in metres to a percept
-//! (`frame`).
+//! follows the robot on them. Source code also converts a pose in metres to a percept.
+//!
+//! All formats show one `model`. Source code is rendered from a template for each language, which
+//! fills in tables and constants and includes source files that are the same in every export.
 
-mod quantised;
-mod c99;
-mod comments;
-mod data;
-mod dot;
-mod frame;
-mod memory;
-mod provenance;
+#[cfg(test)]
+mod compiled;
+mod maps;
+mod model;
 mod policy;
-mod python;
-mod rust;
+mod provenance;
+mod quantised;
+mod rays;
+mod templates;
 
-use frame::Form;
+use model::{Model, Source};
 pub use policy::Policy;
 pub use provenance::Provenance;
 pub use quantised::{ExportError, QuantisedPolicy, WeightedRule};
@@ -53,34 +53,14 @@ impl Target {
 
     /// Returns the text of the exported file.
     pub fn text(self, policy: &Policy, provenance: &Provenance) -> String {
-        let quantised = policy.quantised();
-        let form = match policy.maps() {
-            None => Form::Bytes,
-            Some(_) => Form::Number,
+        let template = match self {
+            Self::C99 => "policy.h",
+            Self::Rust => "policy.rs",
+            Self::Python => "policy.py",
+            Self::Dot => "policy.dot",
+            Self::Csv => return Model::new(policy, provenance).csv(),
+            Self::Json => return Model::new(policy, provenance).json(),
         };
-        let frame = self.frame(provenance, form);
-        match (self, policy.maps()) {
-            (Self::C99, None) => c99::text(quantised, provenance, &frame),
-            (Self::C99, Some(maps)) => memory::c99::text(quantised, maps, provenance, &frame),
-            (Self::Rust, None) => rust::text(quantised, provenance) + &frame,
-            (Self::Rust, Some(maps)) => memory::rust::text(quantised, maps, provenance) + &frame,
-            (Self::Python, None) => python::text(quantised, provenance) + &frame,
-            (Self::Python, Some(maps)) => {
-                memory::python::text(quantised, maps, provenance) + &frame
-            }
-            (Self::Csv, _) => data::csv(quantised, provenance),
-            (Self::Json, _) => data::json(policy, provenance),
-            (Self::Dot, _) => dot::text(quantised, provenance),
-        }
-    }
-
-    /// Returns the source code that converts a pose to a percept.
-    fn frame(self, provenance: &Provenance, form: Form) -> String {
-        match self {
-            Self::C99 => frame::c99(provenance, form),
-            Self::Rust => frame::rust(provenance, form),
-            Self::Python => frame::python(provenance, form),
-            Self::Csv | Self::Json | Self::Dot => String::new(),
-        }
+        templates::rendered(template, &Source::new(policy, provenance))
     }
 }

@@ -1,6 +1,6 @@
 //! The exported policy.
 
-use super::memory::MapTable;
+use super::maps::MapTable;
 use super::quantised::{ExportError, QuantisedPolicy};
 use crate::agent::Knowledge;
 use xcs::Percept;

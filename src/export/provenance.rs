@@ -11,13 +11,15 @@ use xcs::{Action, Condition};
 /// The run that a policy comes from, and the words for its bits and actions.
 #[derive(Debug, Clone)]
 pub struct Provenance {
-    maze: Maze,
-    sensor: Sensor,
+    /// The world.
+    pub(super) maze: Maze,
+    /// The percept.
+    pub(super) sensor: Sensor,
     /// The robot's dimensions; `None` on the grid.
-    robot: Option<Robot>,
+    pub(super) robot: Option<Robot>,
     /// Assumed ranges of two kinds of lidar beams in metres: beams that hit something too near to
     /// be measured, and beams that do not come back.
-    assumed_ranges_m: [f64; 2],
+    pub(super) assumed_ranges_m: [f64; 2],
     /// True if conditions use more than the percept.
     remembers: bool,
     /// The facts about the run.
@@ -25,7 +27,7 @@ pub struct Provenance {
 }
 
 /// The robot's dimensions, in metres, m/s and rad/s.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
 pub(super) struct Robot {
     pub radius_m: f64,
     pub wheel_base_m: f64,
@@ -82,27 +84,6 @@ impl Provenance {
             remembers: knowledge.remembers(),
             facts,
         }
-    }
-
-    /// The world.
-    pub(super) fn maze(&self) -> &Maze {
-        &self.maze
-    }
-
-    /// The percept.
-    pub(super) fn sensor(&self) -> Sensor {
-        self.sensor
-    }
-
-    /// The robot's dimensions; `None` on the grid.
-    pub(super) fn robot(&self) -> Option<Robot> {
-        self.robot
-    }
-
-    /// Assumed ranges of two kinds of lidar beams in metres: beams that hit something too near to
-    /// be measured, and beams that do not come back.
-    pub(super) fn assumed_ranges_m(&self) -> [f64; 2] {
-        self.assumed_ranges_m
     }
 
     /// Returns the facts as lines for a comment. The names of worlds cannot contain the end of a

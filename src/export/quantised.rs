@@ -1,5 +1,7 @@
 //! Rules that vote with integers.
 
+use serde::Serialize;
+
 use crate::agent::{CONTEXT_BITS, Knowledge, contexts};
 use crate::streams::StreamName;
 use xcs::random::Stream;
@@ -21,7 +23,7 @@ pub(super) const MOST_STATES: usize = u16::MAX as usize;
 const SIZES: [Size; 3] = [Size::new(16, 8), Size::new(16, 16), Size::new(32, 32)];
 
 /// The bits of a rule's value and weight.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Size {
     /// Bits of the value: 16 or 32.
     pub value: u32,
@@ -221,11 +223,6 @@ impl QuantisedPolicy {
         self.width
     }
 
-    /// The number of bytes of a percept. Bit `i` is bit `i % 8` of byte `i / 8`.
-    pub fn bytes(&self) -> usize {
-        self.width.div_ceil(8)
-    }
-
     /// The number of actions.
     pub fn actions(&self) -> usize {
         self.actions
@@ -239,19 +236,6 @@ impl QuantisedPolicy {
             ""
         };
         format!("{all}{} {}", self.compared, self.of)
-    }
-
-    /// Returns the bytes of a condition: the demanded values, and a mask of the demanded bits.
-    pub(super) fn condition_bytes(&self, condition: &Condition) -> (Vec<u8>, Vec<u8>) {
-        let bits = |byte: usize, set: &dyn Fn(usize) -> bool| {
-            let own = (8 * byte..(8 * byte + 8).min(self.width)).enumerate();
-            own.fold(0, |bits, (at, bit)| bits | u8::from(set(bit)) << at)
-        };
-        let demanded = |bit| condition.allele(bit) == Some(true);
-        let cared = |bit| condition.allele(bit).is_some();
-        (0..self.bytes())
-            .map(|byte| (bits(byte, &demanded), bits(byte, &cared)))
-            .unzip()
     }
 }
 

@@ -271,18 +271,24 @@ fn the_python_module_chooses_as_the_learner() {
     assert_eq!(learned.differences(&percepts, &chosen), 0);
 }
 
+/// A header whose last rule has another action.
+pub fn with_another_action(header: &str) -> String {
+    let table = header.find("xcscr_rules[XCSCR_RULES]").unwrap();
+    let end = table + header[table..].find("\n};").unwrap();
+    let fields: Vec<&str> = header[..end].rsplitn(4, ", ").collect();
+    let [value, weight, action, before] = fields[..] else {
+        panic!("no rule: {header}");
+    };
+    let other = if action == "0" { "1" } else { "0" };
+    let after = &header[end..];
+    format!("{before}, {other}, {weight}, {value}{after}")
+}
+
 #[test]
 fn control_one_rule_with_another_action_is_found() {
     let learned = Learned::new("maze6", Method::XcscrPlus, Sensor::Neighbours);
     let header = learned.text(Target::C99);
-    let (first, action) = {
-        let at = header.find("XCSCR_TABLE = {\n    {{").unwrap();
-        let at = at + header[at..].find("}, ").unwrap() + 3;
-        let at = at + header[at..].find("}, ").unwrap() + 3;
-        (at, &header[at..=at])
-    };
-    let other = if action == "0" { "1" } else { "0" };
-    let forged = format!("{}{other}{}", &header[..first], &header[first + 1..]);
+    let forged = with_another_action(&header);
     let (percepts, folder) = (learned.percepts(), folder());
     let chosen = fed(&mut compiled_c(folder.path(), &forged), bytes(&percepts));
     assert!(learned.differences(&percepts, &chosen) > 0);

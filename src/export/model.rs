@@ -1,0 +1,288 @@
+//! The exported policy as one serialised model, which JSON shows and which templates read.
+
+use serde::Serialize;
+
+use super::maps::MapTable;
+use super::provenance::{Facts, Robot};
+use super::quantised::Size;
+use super::rays::{self, Ray};
+use super::{Policy, Provenance, QuantisedPolicy};
+use crate::agent::pomdp::NEGLIGIBLE;
+use crate::agent::{BEGUN_ELSEWHERE, Demand, MISLOCALISED, PERCEPT_BITS, Part, demands};
+use crate::world::Maze;
+use xcs::{Action, Condition};
+
+/// The policy as data.
+#[derive(Serialize)]
+pub(super) struct Model<'a> {
+    origin: &'a Facts,
+    /// The number of inputs in which the export was compared with the greedy choice of the run.
+    compared: String,
+    /// The meaning of each bit of a percept when it is 1; for rules with a map, of each bit of a
+    /// context.
+    bits: Vec<String>,
+    actions: Vec<String>,
+    rules: Vec<Rule>,
+    /// The maps of rules with a map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    maps: Option<&'a MapTable>,
+}
+
+/// A rule.
+#[derive(Serialize)]
+struct Rule {
+    condition: String,
+    action: usize,
+    weight: u32,
+    value: u32,
+    #[serde(rename = "if")]
+    words: String,
+    go: String,
+}
+
+impl<'a> Model<'a> {
+    pub fn new(policy: &'a Policy, provenance: &'a Provenance) -> Self {
+        let quantised = policy.quantised();
+        let rules = quantised.votes().iter().map(|vote| Rule {
+            condition: vote.condition.to_string(),
+            action: vote.action.index(),
+            weight: vote.weight,
+            value: vote.value,
+            words: provenance.words(&vote.condition),
+            go: provenance.action(vote.action),
+        });
+        let bits = 0..quantised.width();
+        let actions = Action::all(quantised.actions());
+        Self {
+            origin: &provenance.facts,
+            compared: quantised.compared(),
+            bits: bits.map(|bit| provenance.bit(bit)).collect(),
+            actions: actions.map(|action| provenance.action(action)).collect(),
+            rules: rules.collect(),
+            maps: policy.maps(),
+        }
+    }
+
+    /// Returns a JSON document.
+    pub fn json(&self) -> String {
+        let text = serde_json::to_string_pretty(self).expect("texts and numbers");
+        text + "\n"
+    }
+
+    /// Returns a CSV table with a row for each rule.
+    pub fn csv(&self) -> String {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        for rule in &self.rules {
+            writer.serialize(rule).expect("rules of texts and numbers");
+        }
+        let bytes = writer.into_inner().expect("a vector takes all");
+        String::from_utf8(bytes).expect("texts and numbers")
+    }
+}
+
+/// What templates of source code read.
+#[derive(Serialize)]
+pub(super) struct Source<'a> {
+    #[serde(flatten)]
+    model: Model<'a>,
+    /// The origin as lines for a comment.
+    origin_lines: Vec<String>,
+    size: Size,
+    /// For each rule its condition: for each byte of a percept, or each part of a context, a pair
+    /// of numbers.
+    conditions: Vec<Vec<Pair>>,
+    /// The parts of a context, each with the pair that demands nothing.
+    parts: [(&'static str, Pair); 7],
+    percept: PerceptBits,
+    grid: Grid,
+    robot: Option<Robot>,
+    scan: Option<Scan>,
+    tracker: Option<TrackerModel>,
+}
+
+/// A mask of demanded bits and their values, or the least and the greatest coordinate, as literals
+/// of all languages.
+type Pair = [String; 2];
+
+/// The layout of a percept.
+#[derive(Serialize)]
+struct PerceptBits {
+    /// The meaning of each bit.
+    bits: Vec<String>,
+    bytes: usize,
+    ring_bits: usize,
+    column_bits: usize,
+    row_bits: usize,
+}
+
+/// The grid of the world in the map frame.
+#[derive(Serialize)]
+struct Grid {
+    cell_size_m: f64,
+    columns: u16,
+    rows: u16,
+    wraps: bool,
+    origin_x_m: f64,
+    origin_y_m: f64,
+    origin_cosine: f64,
+    origin_sine: f64,
+}
+
+/// What a scan of the lidar covers, and the rays of cells that a percept shows.
+#[derive(Serialize)]
+struct Scan {
+    reach: usize,
+    nearest_m: f64,
+    lost_range_m: f64,
+    rays: Vec<Ray>,
+}
+
+/// What a tracker needs beside the maps.
+#[derive(Serialize)]
+struct TrackerModel {
+    /// True if moves and percepts are without errors. Beliefs are then integers.
+    exact: bool,
+    rewards: u32,
+    ignores_collisions: bool,
+    mislocalised: f64,
+    begun_elsewhere: f64,
+    negligible: f64,
+    negligible_one_in: u32,
+}
+
+impl<'a> Source<'a> {
+    pub fn new(policy: &'a Policy, provenance: &'a Provenance) -> Self {
+        let (quantised, maps) = (policy.quantised(), policy.maps());
+        let pairs = |condition: &Condition| match maps {
+            Some(_) => context_pairs(&demands(condition))
+                .map(|(_, pair)| pair)
+                .to_vec(),
+            None => percept_pairs(quantised, condition),
+        };
+        let votes = quantised.votes().iter();
+        Self {
+            model: Model::new(policy, provenance),
+            origin_lines: provenance.lines(),
+            size: quantised.size(),
+            conditions: votes.map(|vote| pairs(&vote.condition)).collect(),
+            parts: context_pairs(&[]),
+            percept: PerceptBits::new(policy, provenance),
+            grid: Grid::new(&provenance.maze),
+            robot: provenance.robot,
+            scan: Scan::new(provenance),
+            tracker: maps.map(TrackerModel::new),
+        }
+    }
+}
+
+impl PerceptBits {
+    fn new(policy: &Policy, provenance: &Provenance) -> Self {
+        let (maze, sensor) = (&provenance.maze, provenance.sensor);
+        let width = policy.quantised().width();
+        let bits = policy.maps().map_or(width, |_| PERCEPT_BITS);
+        let [column_bits, row_bits] = sensor.place_bits(maze);
+        Self {
+            bits: (0..bits).map(|bit| provenance.bit(bit)).collect(),
+            bytes: width.div_ceil(8),
+            ring_bits: sensor.width(maze) - column_bits - row_bits,
+            column_bits,
+            row_bits,
+        }
+    }
+}
+
+impl Grid {
+    fn new(maze: &Maze) -> Self {
+        let corner = maze.origin();
+        Self {
+            cell_size_m: maze.cell_size_m(),
+            columns: maze.width(),
+            rows: maze.height(),
+            wraps: maze.wraps(),
+            origin_x_m: corner.x_m,
+            origin_y_m: corner.y_m,
+            origin_cosine: libm::cos(corner.yaw_rad),
+            origin_sine: libm::sin(corner.yaw_rad),
+        }
+    }
+}
+
+impl Scan {
+    /// Returns `None` for a percept that no scan shows.
+    fn new(provenance: &Provenance) -> Option<Self> {
+        let rays = rays::shown_by(provenance.sensor);
+        let [nearest_m, lost_range_m] = provenance.assumed_ranges_m;
+        Some(Self {
+            reach: rays.iter().map(Ray::reach).max()?,
+            nearest_m,
+            lost_range_m,
+            rays,
+        })
+    }
+}
+
+impl TrackerModel {
+    fn new(maps: &MapTable) -> Self {
+        Self {
+            exact: maps.is_exact(),
+            rewards: maps.rewards(),
+            ignores_collisions: maps.unfelt,
+            mislocalised: MISLOCALISED,
+            begun_elsewhere: BEGUN_ELSEWHERE,
+            negligible: NEGLIGIBLE,
+            negligible_one_in: (1.0 / NEGLIGIBLE).round() as u32,
+        }
+    }
+}
+
+/// Returns the demands of a condition on each byte of a percept.
+fn percept_pairs(quantised: &QuantisedPolicy, condition: &Condition) -> Vec<Pair> {
+    let byte = |first: usize| {
+        let bits = first..(first + 8).min(quantised.width());
+        let demands = bits.filter_map(|bit| Some((bit - first, condition.allele(bit)?)));
+        let [mask, value] = demands.fold([0_u8; 2], |[mask, value], (bit, demanded)| {
+            [mask | 1 << bit, value | u8::from(demanded) << bit]
+        });
+        masked(mask.into(), value.into())
+    };
+    (0..quantised.width()).step_by(8).map(byte).collect()
+}
+
+/// Returns demands on a context as a pair for each part, with the names of the parts.
+fn context_pairs(demands: &[(Part, Demand)]) -> [(&'static str, Pair); 7] {
+    let of = |part: Part| {
+        let own = demands.iter().filter(move |(of, _)| *of == part);
+        own.map(|&(_, demand)| demand)
+    };
+    let bits = |part: Part| {
+        let own = of(part).find_map(|demand| match demand {
+            Demand::Bits { care, value } => Some(masked(care, value)),
+            _ => None,
+        });
+        own.unwrap_or_else(|| masked(0, 0))
+    };
+    let limits = |part: Part| {
+        let [mut least, mut most] = [i16::from(i8::MIN), i16::from(i8::MAX)];
+        for demand in of(part) {
+            match demand {
+                Demand::Above(limit) => least = limit + 1,
+                Demand::AtMost(limit) => most = limit,
+                Demand::Bits { .. } => {}
+            }
+        }
+        [least.to_string(), most.to_string()]
+    };
+    [
+        ("percept", bits(Part::Percept)),
+        ("x", limits(Part::X)),
+        ("y", limits(Part::Y)),
+        ("map", bits(Part::Map)),
+        ("collected", bits(Part::Collected)),
+        ("last", bits(Part::Last)),
+        ("before", bits(Part::Before)),
+    ]
+}
+
+fn masked(mask: u32, value: u32) -> Pair {
+    [format!("{mask:#x}"), format!("{value:#x}")]
+}

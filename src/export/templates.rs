@@ -1,0 +1,79 @@
+//! Templates of exported files, and the source files that they include as they are.
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::Serde;
+use minijinja::{Environment, UndefinedBehavior, Value, context};
+use serde::Serialize;
+
+/// The templates by name.
+const TEMPLATES: [(&str, &str); 5] = [
+    ("constants", include_str!("templates/constants.jinja")),
+    ("policy.h", include_str!("templates/policy.h.jinja")),
+    ("policy.rs", include_str!("templates/policy.rs.jinja")),
+    ("policy.py", include_str!("templates/policy.py.jinja")),
+    ("policy.dot", include_str!("templates/policy.dot.jinja")),
+];
+
+/// Declares source files as a table of names and texts.
+macro_rules! files {
+    ($($name:literal),* $(,)?) => {
+        [$(($name, include_str!(concat!("templates/", $name)))),*]
+    };
+}
+
+/// The source files that templates include.
+const FILES: [(&str, &str); 28] = files![
+    "percept.h",
+    "context.h",
+    "decide.h",
+    "tracker.h",
+    "grid.h",
+    "neighbours.h",
+    "lidar.h",
+    "scan.h",
+    "percept.rs",
+    "context.rs",
+    "decide.rs",
+    "whole.rs",
+    "real.rs",
+    "tracker.rs",
+    "exact.rs",
+    "noisy.rs",
+    "grid.rs",
+    "neighbours.rs",
+    "lidar.rs",
+    "scan.rs",
+    "percept.py",
+    "context.py",
+    "decide.py",
+    "tracker.py",
+    "grid.py",
+    "neighbours.py",
+    "lidar.py",
+    "scan.py",
+];
+
+/// Renders a template with a model.
+pub(super) fn rendered(template: &str, model: &impl Serialize) -> String {
+    let mut environment = Environment::new();
+    environment.set_undefined_behavior(UndefinedBehavior::SemiStrict);
+    environment.set_syntax(syntax());
+    for (name, text) in TEMPLATES {
+        let added = environment.add_template(name, text);
+        added.expect("tests render every template");
+    }
+    let file = Value::from_pairs(FILES);
+    let template = environment.get_template(template);
+    let text = template.and_then(|template| template.render(context! { file, ..Serde(model) }));
+    text.expect("tests render every template")
+}
+
+/// Block tags may stand on lines of their own, of which nothing is left.
+fn syntax() -> SyntaxConfig {
+    let mut builder = SyntaxConfig::builder();
+    builder
+        .trim_blocks(true)
+        .lstrip_blocks(true)
+        .keep_trailing_newline(true);
+    builder.build().expect("the delimiters are those of Jinja")
+}
