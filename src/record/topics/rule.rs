@@ -204,7 +204,7 @@ fn support(step: &Step<'_>) -> String {
     match credit.match_set {
         0 => String::new(),
         all => format!(
-            ", error {:.0}, {} of {all} match",
+            " ± {:.0}, {} of {all} matching rules agree",
             credit.error, credit.action_set
         ),
     }

@@ -30,7 +30,7 @@ pub struct Comparison {
     pub difference: Interval,
     /// McNemar's exact p that the shares are equal, over the pairs of trials with the same seed.
     pub mcnemar_p: f64,
-    /// `mcnemar_p` after Holm's correction over the worlds.
+    /// `mcnemar_p` after Holm's correction over all worlds and methods that are compared.
     pub holm_p: f64,
     /// The log-rank p that both reach their first optimum equally soon, in episodes.
     pub log_rank_p: f64,
@@ -40,7 +40,7 @@ pub struct Comparison {
     /// Number of pairs in which the first needed more steps.
     pub later: u64,
     /// The sign test's exact p that either is sooner equally often, after Holm's correction over
-    /// the worlds.
+    /// all worlds and methods that are compared.
     pub steps_holm_p: f64,
     /// Trials of each that would distinguish such shares with a power of 80 %.
     pub trials_needed: Option<u64>,
@@ -131,12 +131,17 @@ struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    /// Creates a pair in the family of all pairs with these names.
-    fn new(one: &'a ArmRecords<'a>, other: &'a ArmRecords<'a>, names: [String; 3]) -> Self {
+    /// Creates a pair in the family of all pairs of this kind with the same setting.
+    fn new(
+        kind: &str,
+        one: &'a ArmRecords<'a>,
+        other: &'a ArmRecords<'a>,
+        names: [String; 3],
+    ) -> Self {
         Self {
             one,
             other,
-            family: names.join(" "),
+            family: format!("{kind} {}", names[2]),
             names,
         }
     }
@@ -154,7 +159,8 @@ fn pairs<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     pairs
 }
 
-/// Pairs the best method with each other one, in each world. A family spans all worlds.
+/// Pairs the first of the methods with each other one, in each world. A family spans all worlds and
+/// methods.
 fn pairs_of_methods<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     let best = best_method(arms);
     let pair = |other: &'a ArmRecords<'a>| {
@@ -165,12 +171,13 @@ fn pairs_of_methods<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
                 && self::setting(one.arm, "") == setting
         })?;
         let [ours, theirs] = [one, other].map(|records| records.arm.method_name().to_owned());
-        (ours != theirs).then(|| Pair::new(one, other, [ours, theirs, setting]))
+        (ours != theirs).then(|| Pair::new("methods", one, other, [ours, theirs, setting]))
     };
     arms.iter().filter_map(pair).collect()
 }
 
-/// Pairs each value of `after` or `without` with nothing. A family spans all worlds.
+/// Pairs each value of `after` or `without` with nothing. A family spans all worlds and values of a
+/// method.
 fn pairs_without<'a>(arms: &'a [ArmRecords<'a>], key: &str) -> Vec<Pair<'a>> {
     let pair = |one: &'a ArmRecords<'a>| {
         let value = value(one.arm, key).filter(|value| *value != NOTHING)?;
@@ -183,7 +190,7 @@ fn pairs_without<'a>(arms: &'a [ArmRecords<'a>], key: &str) -> Vec<Pair<'a>> {
         })?;
         let ours = format!("{method} {key} {value}");
         let names = [ours, format!("{key} {NOTHING}"), setting];
-        Some(Pair::new(one, other, names))
+        Some(Pair::new(&format!("{method} {key}"), one, other, names))
     };
     arms.iter().filter_map(pair).collect()
 }
@@ -291,7 +298,7 @@ pub const LEGEND: &str = "Trials with the same seed are pairs. points: how much 
     optimal trials is, with McNemar's exact p. log-rank p: that both find the first optimum equally \
     soon, in episodes. sooner, later: the number of pairs in which the first needed fewer or more \
     environment steps to its first optimum (a trial without one counts as later than any with one), \
-    with the p of the sign test. Holm: corrected over the worlds, or over the combinations of a sweep. \
+    with the p of the sign test. Holm: corrected over all worlds and methods (or parts left out, or combinations of a sweep) of one setting. \
     trials needed: trials of each to distinguish such shares with a power of 80 %, without pairs.";
 
 /// Describes the number of decided comparisons in a sentence.
