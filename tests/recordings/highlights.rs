@@ -86,7 +86,7 @@ fn the_highlights_of_a_run_go_from_failure_to_a_greedy_drive_in_less_than_two_mi
     for (_, reason) in driving {
         let text = reason["rule"].as_str().unwrap();
         assert!(
-            text.ends_with(" match") && text.contains(", value "),
+            text.ends_with(" matching rules agree") && text.contains(", value "),
             "{text}"
         );
         assert!(
@@ -178,7 +178,7 @@ fn the_plot_of_worth_has_a_line_from_the_first_decision_on_and_agrees_with_the_w
             .position(|&it| it == action);
         let percent = reason["values"][number.unwrap()].as_f64();
         let words = text.split_once(", value ").map(|(_, rest)| rest);
-        let words = words.and_then(|rest| rest.split(',').next()?.parse::<f64>().ok());
+        let words = words.and_then(|rest| rest.split([',', ' ']).next()?.parse::<f64>().ok());
         // Control: what has no value in words has none in the plot.
         assert_eq!(words.is_some(), percent.is_some(), "{reason}");
         if let Some((words, percent)) = words.zip(percent) {
