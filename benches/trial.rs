@@ -7,7 +7,7 @@ use divan::Bencher;
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
 use xcscr::arena::{Arena, GridArena, PhysicsArena, PhysicsParams};
-use xcscr::record::{RecordMode, Recorder, RobotShape, RunInfo};
+use xcscr::record::{RecordMode, Recorder, RobotShape, RunInfo, RunKind};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Plan, Trial};
 use xcscr::world::{Cell, Maze};
@@ -86,7 +86,7 @@ fn train(plan: Plan, mode: RecordMode) -> Trial {
         robot: RobotShape::for_cell(plan.maze.cell_size_m()),
         slip: 0.0,
         goal: 1000.0,
-        is_evaluation: false,
+        kind: RunKind::Training,
     };
     let recorder = Recorder::create(folder.path(), &plan.maze, info, mode);
     let mut recorder = recorder.expect("there is room for a recording");

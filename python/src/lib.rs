@@ -1,9 +1,12 @@
-//! The Python module `xcscr._native`: the robot, learner trials, and XCS on its own.
+//! The Python module `xcscr._native`: the robot, its recordings, trials and studies of the learners, and XCS on its own.
 
 mod agent;
+mod external;
 mod plan;
+mod recording;
 mod robot;
 mod robots;
+mod study;
 mod trial;
 mod wheels;
 
@@ -15,9 +18,13 @@ mod _native {
     #[pymodule_export]
     use super::agent::Agent;
     #[pymodule_export]
+    use super::recording::{Recording, verify_recording};
+    #[pymodule_export]
     use super::robot::Robot;
     #[pymodule_export]
     use super::robots::Robots;
+    #[pymodule_export]
+    use super::study::{Study, run_study};
     #[pymodule_export]
     use super::trial::{Trained, train};
     #[pymodule_export]

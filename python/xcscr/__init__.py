@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from gymnasium.envs.registration import register, registry
 
-from ._native import bundled_worlds, methods, sensors
+from ._native import bundled_worlds, methods, sensors, verify_recording
 from .envs import MazeEnv
 from .learning import Result, Rule, train
 from .parameters import Parameters
+from .recording import Record
+from .studies import Study, study
 from .vector import MazeVectorEnv
 from .wheels import WheelsEnv
 from .xcs import XCS, XCSRule
@@ -25,15 +27,19 @@ __all__ = [
     "MazeEnv",
     "MazeVectorEnv",
     "Parameters",
+    "Record",
     "Result",
     "Rule",
+    "Study",
     "WheelsEnv",
     "XCS",
     "XCSRule",
     "bundled_worlds",
     "methods",
     "sensors",
+    "study",
     "train",
+    "verify_recording",
 ]
 __version__ = "0.1.0"
 

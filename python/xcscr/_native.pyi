@@ -1,6 +1,22 @@
+from os import PathLike
+from pathlib import Path
 from typing import Any, final
 
-__all__ = ["Agent", "Robot", "Robots", "Trained", "Wheels", "train", "bundled_worlds", "methods", "sensors"]
+__all__ = [
+    "Agent",
+    "Recording",
+    "Robot",
+    "Robots",
+    "Study",
+    "Trained",
+    "Wheels",
+    "run_study",
+    "train",
+    "verify_recording",
+    "bundled_worlds",
+    "methods",
+    "sensors",
+]
 
 @final
 class Agent:
@@ -27,6 +43,12 @@ class Agent:
     def numerosity(self) -> int: ...
     def state(self) -> bytes: ...
     def restore(self, state: bytes) -> None: ...
+
+@final
+class Recording:
+    def __new__(cls, choice: dict[str, Any], folder: str, record: str) -> Recording: ...
+    def episode(self, seed: int, start: tuple[int, int], actions: list[int], rewards: list[float]) -> tuple[float, float, float]: ...
+    def close(self) -> list[Path]: ...
 
 @final
 class Robot:
@@ -72,6 +94,11 @@ class Robots:
     def facts(self) -> bytes: ...
 
 @final
+class Study:
+    def report(self) -> str: ...
+    def write_episodes(self, jobs: int) -> None: ...
+
+@final
 class Trained:
     @property
     def first_optimal_episode(self) -> int | None: ...
@@ -100,7 +127,9 @@ class Wheels:
     @property
     def max_speed(self) -> float: ...
 
+def run_study(text: str, agents: list[tuple[str, Any]], out: str, jobs: int) -> Study: ...
 def train(choice: dict[str, Any], method: str, episodes: int) -> Trained: ...
+def verify_recording(file: str | PathLike[str]) -> str | None: ...
 def bundled_worlds() -> list[str]: ...
 def methods() -> list[str]: ...
 def sensors() -> list[str]: ...

@@ -6,10 +6,23 @@ use std::fmt;
 use super::mode::RecordMode;
 use crate::sensor::Sensor;
 
-/// The key of the metadata record `run` that marks an evaluation.
+/// The key of the metadata record `run` that marks a run that is not a training.
 pub(super) const KIND: &str = "kind";
 /// The value of [`KIND`] for an evaluation. A training has no such entry.
 pub(super) const EVALUATION: &str = "evaluation";
+/// The value of [`KIND`] for episodes of an external agent.
+pub(super) const EXTERNAL: &str = "external";
+
+/// The kind of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RunKind {
+    /// A method learns.
+    Training,
+    /// A learned policy drives, and nothing is learned.
+    Evaluation,
+    /// An agent outside of this program chooses the actions. The number of episodes is unknown.
+    External,
+}
 
 /// The facts of a run that its recordings carry.
 #[derive(Debug, Clone)]
@@ -35,8 +48,8 @@ pub struct RunInfo {
     pub slip: f64,
     /// The reward for reaching a goal.
     pub goal: f64,
-    /// True if the run is an evaluation, in which nothing is learned.
-    pub is_evaluation: bool,
+    /// The kind of the run.
+    pub kind: RunKind,
 }
 
 impl RunInfo {
@@ -64,8 +77,14 @@ impl RunInfo {
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
             ("world", world.to_owned()),
         ];
-        let kind = self.is_evaluation.then(|| (KIND, EVALUATION.to_owned()));
-        let entries = entries.into_iter().chain(kind);
+        let kind = match self.kind {
+            RunKind::Training => None,
+            RunKind::Evaluation => Some((KIND, EVALUATION.to_owned())),
+            RunKind::External => Some((KIND, EXTERNAL.to_owned())),
+        };
+        let is_known = |key: &str| self.kind != RunKind::External || key != "episodes";
+        let entries = entries.into_iter().filter(|(key, _)| is_known(key));
+        let entries = entries.chain(kind);
         entries.map(|(key, text)| (key.to_owned(), text)).collect()
     }
 }

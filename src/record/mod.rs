@@ -21,7 +21,7 @@ mod write;
 pub use error::RecordError;
 pub use highlights::Comparison;
 pub(crate) use highlights::{HighlightsBuilder, Segment, ShownRun, compare_highlights, segments};
-pub use info::{RecordingKind, RobotShape, RunInfo};
+pub use info::{RecordingKind, RobotShape, RunInfo, RunKind};
 pub use mode::RecordMode;
 pub(crate) use mode::RecordModeError;
 pub use read::{Difference, Finding, FindingKind, check, compare, reader};

@@ -11,7 +11,7 @@ use crate::agent::{Frozen, Knowledge};
 use crate::disk;
 use crate::episode::{Episode, Learned, Observer};
 use crate::record::reader::Recording;
-use crate::record::{RecordMode, RecordSummary, Recorder, RecordingKind, RunInfo};
+use crate::record::{RecordMode, RecordSummary, Recorder, RecordingKind, RunInfo, RunKind};
 use crate::trial::{Evaluation, Plan, PlanError};
 
 /// Runs `episodes` episodes of the greedy policy of `knowledge`, and records all of them in
@@ -80,7 +80,7 @@ pub(super) fn record_drives(
     let plan = evaluation_plan(plan, knowledge, episodes)?;
     let Plan { maze, config } = &plan;
     let info = RunInfo {
-        is_evaluation: true,
+        kind: RunKind::Evaluation,
         ..run_info(&plan)
     };
     let mut recorder = Recorder::create(folder, maze, info, mode)?;

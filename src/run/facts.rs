@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::arena::ArenaKind;
-use crate::record::{RobotShape, RunInfo};
+use crate::record::{RobotShape, RunInfo, RunKind};
 use crate::trial::{Config, Plan, Settings};
 
 /// Returns the facts of a run for its recordings.
@@ -21,7 +21,7 @@ pub(super) fn run_info(plan: &Plan) -> RunInfo {
         robot: robot_shape(plan),
         slip: config.settings.arena.slip,
         goal: config.settings.reward.goal,
-        is_evaluation: false,
+        kind: RunKind::Training,
     }
 }
 

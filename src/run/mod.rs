@@ -21,6 +21,7 @@
 mod contents;
 mod error;
 mod evaluation;
+mod external;
 mod facts;
 mod folder;
 mod ros;
@@ -34,6 +35,7 @@ mod resume_hint;
 
 pub use error::{RunError, RunFolderError};
 pub use evaluation::{clear_evaluation, record_evaluation};
+pub use external::{ExternalEpisode, ExternalRecorder};
 pub use folder::RunFolder;
 pub use highlights::highlights;
 pub use session::{Finished, Resumed, Session};

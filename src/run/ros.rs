@@ -27,6 +27,7 @@ impl Source {
     /// If they cannot be repeated, or the recording shows highlights, which have parts of many
     /// episodes.
     pub fn ros_bag(&self) -> Result<Vec<u8>, RunError> {
+        self.require_method()?;
         let only = match self.extent {
             RecordingKind::Episode(episode) => Some(episode),
             RecordingKind::Run => None,

@@ -2,12 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::de::DeserializeOwned;
+
 use super::error::RunError;
+use super::external::{EXTERNAL_EPISODES, ExternalEpisode, METHOD};
 use crate::agent::Knowledge;
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordModeError, RecordingKind};
 use crate::trial::{Plan, Trial};
 use crate::world::Maze;
+
+/// The attachment of `run.mcap` with the learned knowledge.
+const RULES: &str = "rules.json";
 
 /// The run of a recording, according to the recording.
 pub struct Source {
@@ -21,6 +27,8 @@ pub struct Source {
     pub extent: RecordingKind,
     /// The evaluated knowledge, if the recording shows an evaluation.
     pub evaluated: Option<Knowledge>,
+    /// The episodes, if an external agent chose the actions.
+    pub external: Option<Vec<ExternalEpisode>>,
     /// The bytes of the whole file.
     pub bytes: Vec<u8>,
 }
@@ -45,7 +53,11 @@ impl Source {
             plan,
             mode,
             evaluated: match recording.is_evaluation() {
-                true => Some(evaluated(file, &recording)?),
+                true => Some(attached_to_run(file, &recording, RULES)?),
+                false => None,
+            },
+            external: match recording.is_external() {
+                true => Some(attached_to_run(file, &recording, EXTERNAL_EPISODES)?),
                 false => None,
             },
             extent,
@@ -55,11 +67,20 @@ impl Source {
 }
 
 impl Source {
+    /// Returns the name of the method, or `external`.
+    pub fn method_name(&self) -> &'static str {
+        match self.external {
+            None => self.plan.config.method.name(),
+            Some(_) => METHOD,
+        }
+    }
+
     /// Requires the recording of a training.
     ///
     /// # Errors
-    /// If the recording shows an evaluation, in which nothing is learned.
+    /// If the recording shows an evaluation, in which nothing is learned, or an external agent.
     pub fn require_training(&self) -> Result<(), RunError> {
+        self.require_method()?;
         match self.evaluated {
             None => Ok(()),
             Some(_) => Err(RunError::Recording {
@@ -70,11 +91,26 @@ impl Source {
         }
     }
 
+    /// Requires the recording of a method of this program.
+    ///
+    /// # Errors
+    /// If an external agent chose the actions.
+    pub(super) fn require_method(&self) -> Result<(), RunError> {
+        match self.external {
+            None => Ok(()),
+            Some(_) => Err(RunError::Recording {
+                file: self.file.clone(),
+                fault: "an external agent chose its actions, and its policy is not recorded; give a run of `xcscr train`".to_owned(),
+            }),
+        }
+    }
+
     /// Returns the knowledge at the end of the recording. A training is repeated up to there.
     ///
     /// # Errors
-    /// If the plan of the recording cannot be run.
+    /// If the plan of the recording cannot be run, or an external agent chose the actions.
     pub fn knowledge(&self) -> Result<Knowledge, RunError> {
+        self.require_method()?;
         if let Some(knowledge) = &self.evaluated {
             return Ok(knowledge.clone());
         }
@@ -126,26 +162,29 @@ pub(super) fn attached_plan(recording: &Recording, below: &str) -> Result<Plan, 
     Ok(Plan { maze, config })
 }
 
-/// Returns the evaluated knowledge. It is attached to `run.mcap`, which is next to the episodes.
-fn evaluated(file: &Path, recording: &Recording) -> Result<Knowledge, RunError> {
-    const RULES: &str = "rules.json";
+/// Returns the contents of an attachment of `run.mcap`, which is next to the episodes.
+fn attached_to_run<T: DeserializeOwned>(
+    file: &Path,
+    recording: &Recording,
+    name: &str,
+) -> Result<T, RunError> {
     let beside = file.with_file_name(RecordingKind::Run.file_name());
-    let attached = match recording.attachment(RULES) {
-        Some(rules) => Some(rules.to_owned()),
+    let attached = match recording.attachment(name) {
+        Some(text) => Some(text.to_owned()),
         None => {
             let run = Recording::open(&beside).ok();
-            run.and_then(|run| run.attachment(RULES).map(<[u8]>::to_owned))
+            run.and_then(|run| run.attachment(name).map(<[u8]>::to_owned))
         }
     };
     let damaged = |fault: String| RunError::Recording {
         file: file.to_owned(),
         fault,
     };
-    let rules = attached.ok_or_else(|| {
+    let text = attached.ok_or_else(|| {
         let beside = beside.display();
         damaged(format!(
-            "its rules are attached to {beside}, which cannot be read"
+            "its {name} is attached to {beside}, which cannot be read"
         ))
     })?;
-    serde_json::from_slice(&rules).map_err(|fault| damaged(format!("{RULES}: {fault}")))
+    serde_json::from_slice(&text).map_err(|fault| damaged(format!("{name}: {fault}")))
 }

@@ -7,6 +7,7 @@ use tempfile::TempDir;
 
 use super::error::RunError;
 use super::evaluation::record_evaluation;
+use super::external::{ExternalEpisode, record_external};
 use super::facts::run_info;
 use super::highlights::Material;
 use super::source::Source;
@@ -20,6 +21,7 @@ pub struct Again {
     pub(super) plan: Plan,
     mode: RecordMode,
     is_evaluation: bool,
+    external: Option<Vec<ExternalEpisode>>,
     /// The learned knowledge at the end.
     pub(super) knowledge: Knowledge,
     pub(super) folder: TempDir,
@@ -32,17 +34,22 @@ impl Again {
     /// If the settings or the world are invalid, or a file cannot be written.
     pub fn new(source: &Source, observer: &mut dyn Observer) -> Result<Self, RunError> {
         let (plan, mode) = (&source.plan, source.mode);
-        let Some(knowledge) = &source.evaluated else {
+        let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
+        let knowledge = if let Some(knowledge) = &source.evaluated {
+            let episodes = plan.config.episodes;
+            record_evaluation(plan, knowledge, episodes, folder.path(), &|| false)?;
+            knowledge.clone()
+        } else if let Some(episodes) = &source.external {
+            record_external(plan, episodes, folder.path(), mode)?
+        } else {
             return Self::train(plan, mode, observer);
         };
-        let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
-        let episodes = plan.config.episodes;
-        record_evaluation(plan, knowledge, episodes, folder.path(), &|| false)?;
         Ok(Self {
             plan: plan.clone(),
             mode,
-            is_evaluation: true,
-            knowledge: knowledge.clone(),
+            is_evaluation: source.evaluated.is_some(),
+            external: source.external.clone(),
+            knowledge,
             folder,
         })
     }
@@ -64,6 +71,7 @@ impl Again {
             plan: plan.clone(),
             mode,
             is_evaluation: false,
+            external: None,
             knowledge: trial.method().knowledge(),
             folder,
         })
@@ -75,7 +83,10 @@ impl Again {
             Some(knowledge) => self.is_evaluation && *knowledge == self.knowledge,
             None => !self.is_evaluation,
         };
-        self.mode == source.mode && self.plan == source.plan && same_rules
+        self.mode == source.mode
+            && self.plan == source.plan
+            && same_rules
+            && self.external == source.external
     }
 
     /// Returns the first difference between a recording and that of this run as text.
@@ -91,7 +102,8 @@ impl Again {
             }
             _ => match fs::read(folder.join(&name)) {
                 Err(cause) if cause.kind() == io::ErrorKind::NotFound => {
-                    let episodes = self.plan.config.episodes;
+                    let external = self.external.as_ref().map(Vec::len);
+                    let episodes = external.unwrap_or(self.plan.config.episodes as usize);
                     let fault = format!("a new run of {episodes} episodes produces no {name}");
                     return Ok(Some(fault));
                 }

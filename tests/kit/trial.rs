@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use xcscr::agent::{Agent, Estimator, Explorer, Method, Setup};
 use xcscr::arena::{Arena, ArenaKind, GridArena, PhysicsArena, PhysicsParams};
 use xcscr::episode::{self, Observer};
-use xcscr::record::{RecordError, RecordMode, RecordSummary, Recorder, RobotShape, RunInfo};
+use xcscr::record::{
+    RecordError, RecordMode, RecordSummary, Recorder, RobotShape, RunInfo, RunKind,
+};
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
 use xcscr::trial::Plan;
@@ -77,7 +79,7 @@ impl Trial {
             robot: RobotShape::for_cell(maze.cell_size_m()),
             slip: 0.0,
             goal: 1000.0,
-            is_evaluation: false,
+            kind: RunKind::Training,
         }
     }
 

@@ -6,6 +6,7 @@
 mod kit;
 
 mod checking;
+mod external;
 mod forged_recordings;
 #[cfg(feature = "live")]
 mod live;

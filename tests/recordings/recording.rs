@@ -390,7 +390,10 @@ fn a_reason_names_rule_action_worth_error_and_support_and_says_when_it_is_none()
             let text = rule["rule"].as_str().unwrap();
             let action = rule["action"].as_str().unwrap();
             assert!(text.contains(&format!(" -> {action}, value ")), "{text}");
-            let support = format!(", {} of {} matching rules agree", step["action_set"], step["match_set"]);
+            let support = format!(
+                ", {} of {} matching rules agree",
+                step["action_set"], step["match_set"]
+            );
             assert!(text.ends_with(&support), "{text}");
             let is_explored = rule["explored"].as_bool().unwrap();
             assert_eq!(

@@ -15,7 +15,7 @@ use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::episode::Observer;
 use xcscr::record::reader::Recording;
-use xcscr::record::{self, RecordMode, Recorder, RobotShape, RunInfo};
+use xcscr::record::{self, RecordMode, Recorder, RobotShape, RunInfo, RunKind};
 use xcscr::sensor::Sensor;
 use xcscr::study::{Overrides, Protocol, Shard, Study, StudyFile, StudyFolder};
 use xcscr::trial::{Checkpoint, Plan, Resolved, Settings, SettingsError, Trial, seal, unseal};
@@ -261,7 +261,7 @@ fn recording(folder: &Path) -> Vec<u8> {
         robot: RobotShape::for_cell(1.0),
         slip: 0.0,
         goal: 1000.0,
-        is_evaluation: false,
+        kind: RunKind::Training,
     };
     let mut recorder = Recorder::create(folder, &plan.maze, info, RecordMode::All).unwrap();
     let mut trial = Trial::new(plan).unwrap();

@@ -16,7 +16,7 @@ use crate::kit::trial::on_the_grid;
 use xcscr::agent::{Estimator, Method, MotionPrior};
 use xcscr::arena::ArenaKind;
 use xcscr::episode::{Episode, Learned, Observer};
-use xcscr::record::{self, RecordMode, Recorder, RecorderMemory, RobotShape, RunInfo};
+use xcscr::record::{self, RecordMode, Recorder, RecorderMemory, RobotShape, RunInfo, RunKind};
 use xcscr::run::{Resumed, RunError, RunFolder, Session};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Checkpoint, Plan, Settings, Trial, seal, unseal};
@@ -39,7 +39,7 @@ fn info(plan: &Plan) -> RunInfo {
         robot: RobotShape::for_cell(plan.maze.cell_size_m()),
         slip: 0.0,
         goal: 1000.0,
-        is_evaluation: false,
+        kind: RunKind::Training,
     }
 }
 

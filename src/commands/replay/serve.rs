@@ -109,6 +109,7 @@ fn comparison(file: &Path) -> Result<Option<Offer>, Failure> {
 /// Recordings of one run with the same layout. Those of two runs would interleave in a viewer.
 struct Group {
     plan: Plan,
+    method: &'static str,
     kind: Kind,
     files: Vec<PathBuf>,
 }
@@ -128,9 +129,8 @@ impl Group {
             Kind::Run => "The whole run",
             Kind::Episodes => "Episodes",
         };
-        let (maze, config) = (&self.plan.maze, &self.plan.config);
-        let (method, seed) = (config.method.name(), config.seed);
-        format!("{what} in {}: {method}, seed {seed}", maze.name())
+        let (world, seed) = (self.plan.maze.name(), self.plan.config.seed);
+        format!("{what} in {world}: {}, seed {seed}", self.method)
     }
 
     fn layout(&self) -> String {
@@ -146,6 +146,7 @@ fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
     let mut groups: Vec<Group> = Vec::new();
     for file in files {
         let source = Source::of(file)?;
+        let method = source.method_name();
         let plan = source.plan;
         let kind = match source.extent {
             RecordingKind::Highlights => Kind::Highlights,
@@ -158,6 +159,7 @@ fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
             Some(group) => group.files.push(file.clone()),
             None => groups.push(Group {
                 plan,
+                method,
                 kind,
                 files: vec![file.clone()],
             }),

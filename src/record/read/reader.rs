@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::records::{Records, for_each_record, unpacked_size};
 use crate::disk;
 use crate::record::error::RecordError;
-use crate::record::info::{EVALUATION, KIND, RecordingKind};
+use crate::record::info::{EVALUATION, EXTERNAL, KIND, RecordingKind};
 use crate::record::json::json_tree;
 
 /// A recording in memory with valid checksums.
@@ -234,8 +234,17 @@ impl Recording {
 
     /// Returns true if the recording shows an evaluation, in which nothing is learned.
     pub fn is_evaluation(&self) -> bool {
-        let kind = self.metadata("run").and_then(|run| run.get(KIND));
-        kind.is_some_and(|kind| kind == EVALUATION)
+        self.is_of_kind(EVALUATION)
+    }
+
+    /// Returns true if an agent outside of this program chose the recorded actions.
+    pub fn is_external(&self) -> bool {
+        self.is_of_kind(EXTERNAL)
+    }
+
+    fn is_of_kind(&self, kind: &str) -> bool {
+        let found = self.metadata("run").and_then(|run| run.get(KIND));
+        found.is_some_and(|found| found == kind)
     }
 
     /// Returns the number of messages by topic, according to the file's own index.

@@ -47,6 +47,8 @@ pub struct Recorder {
     outbox: Outbox,
     /// The state; `messages` and `event_logger` are filled in for a checkpoint.
     memory: RecorderMemory,
+    /// Name and text of an additional attachment of `run.mcap`.
+    attached: Option<(&'static str, String)>,
     error: Option<RecordError>,
 }
 
@@ -153,6 +155,7 @@ impl Recorder {
             info,
             outbox: Outbox::default(),
             memory,
+            attached: None,
             error: None,
         }
     }
@@ -190,6 +193,11 @@ impl Recorder {
         })
     }
 
+    /// Attaches a text to `run.mcap` when it is finished.
+    pub(crate) fn attach(&mut self, name: &'static str, text: String) {
+        self.attached = Some((name, text));
+    }
+
     /// Finishes `run.mcap` with the final rules of `method`.
     ///
     /// # Errors
@@ -219,6 +227,9 @@ impl Recorder {
         let mut packed = self.open_run("again", Packing::Small)?;
         rebuild::copy(&part, run.messages(), Chunks::Full, &mut packed)?;
         packed.with(|log| log.attach("rules.json", self.memory.clock_ns, rules))?;
+        if let Some((name, text)) = &self.attached {
+            packed.with(|log| log.attach(name, self.memory.clock_ns, text))?;
+        }
         let finished = packed.finish()?;
         run.discard()?;
         Ok(finished)

@@ -10,7 +10,7 @@ use crate::agent::Agent;
 use crate::arena::View;
 use crate::episode::{Episode, Learned, PolicyMap};
 use crate::record::error::RecordError;
-use crate::record::info::{RobotShape, RunInfo};
+use crate::record::info::{RobotShape, RunInfo, RunKind};
 use crate::record::topics::caption::Caption;
 use crate::record::topics::contact::ContactRecord;
 use crate::record::topics::curve::Curve;
@@ -34,8 +34,8 @@ pub(super) struct EventLogger {
     /// The reward for reaching a goal.
     goal: f64,
     heading: String,
-    /// The word for an episode, and the number of episodes.
-    episodes: (&'static str, u32),
+    /// The word for an episode, and the number of episodes if it is known.
+    episodes: (&'static str, Option<u32>),
     transforms: Transforms,
     trail: Trail,
     curve: Curve,
@@ -101,9 +101,10 @@ impl EventLogger {
             sensor: info.sensor,
             goal: info.goal,
             heading: info.heading(maze.name()),
-            episodes: match info.is_evaluation {
-                true => ("Greedy drive", info.episodes),
-                false => ("Episode", info.episodes),
+            episodes: match info.kind {
+                RunKind::Training => ("Episode", Some(info.episodes)),
+                RunKind::Evaluation => ("Greedy drive", Some(info.episodes)),
+                RunKind::External => ("Episode", None),
             },
             transforms: Transforms::new(maze),
             trail: Trail::new(maze),
@@ -177,8 +178,9 @@ impl EventLogger {
         let running = Running::new(episode, self.was_optimal);
         out.send_json(For::Both, Topic::Episode, time_ns, &running)?;
         let (name, all) = self.episodes;
+        let all = all.map_or(String::new(), |all| format!(" of {all}"));
         let caption = Caption {
-            title: format!("{name} {episode} of {all}"),
+            title: format!("{name} {episode}{all}"),
             heading: self.heading.clone(),
             ..Caption::default()
         };

@@ -1,0 +1,115 @@
+//! Studies that compare agents of Python with the methods of the program.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use xcscr::study::{
+    Overrides, Protocol, Report, Shard, StudyFile, StudyFolder, StudyWatcher, TrialRecord,
+};
+
+use crate::external::{External, Fault};
+use crate::plan::invalid;
+
+/// The origin that messages name.
+const ORIGIN: &str = "study";
+
+/// A finished study.
+#[pyclass(frozen, module = "xcscr._native")]
+pub struct Study {
+    study: xcscr::study::Study,
+    /// The folder of the study, which stays unlocked between two calls.
+    folder: PathBuf,
+    fault: Fault,
+}
+
+/// Ends the study after the running trials when there is an exception.
+struct Watcher(Fault);
+
+impl StudyWatcher for Watcher {
+    fn finished(&mut self, _: &TrialRecord) -> ControlFlow<()> {
+        check_signals(&self.0);
+        match self.0.is_set() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+}
+
+/// Stores the exception of a signal, such as that of Ctrl-C.
+fn check_signals(fault: &Fault) {
+    if let Err(error) = Python::attach(|py| py.check_signals()) {
+        fault.set(error);
+    }
+}
+
+/// Runs a study file with agents of Python in addition. Writes tables, report and figures to the folder `out`.
+#[pyfunction]
+pub fn run_study(
+    py: Python<'_>,
+    text: &str,
+    agents: Vec<(String, Py<PyAny>)>,
+    out: PathBuf,
+    jobs: usize,
+) -> PyResult<Study> {
+    let file = StudyFile::parse(text, ORIGIN, Path::new(""));
+    let protocol = file.and_then(|file| Protocol::new(&file, &Overrides::default()));
+    let mut study = xcscr::study::Study::new(protocol.map_err(invalid)?);
+    let fault = Fault::default();
+    for (name, class) in agents {
+        let fault = fault.clone();
+        let build = move |plan: &_| Box::new(External::new(&class, plan, fault.clone())) as Box<_>;
+        study = study.with_agent(&name, build).map_err(invalid)?;
+    }
+    let ran = py.detach(|| study.run(&out, Shard::WHOLE, jobs, &mut Watcher(fault.clone())));
+    fault.check()?;
+    let folder = ran.map_err(invalid)?;
+    refuse_failed(&folder)?;
+    let written = py.detach(|| {
+        folder.write_tables()?;
+        Report::new(&folder).write(&folder)
+    });
+    written.map_err(invalid)?;
+    Ok(Study {
+        study,
+        folder: out,
+        fault,
+    })
+}
+
+fn refuse_failed(folder: &StudyFolder) -> PyResult<()> {
+    let mut faults = folder.records().filter_map(|record| record.result.err());
+    faults.next().map_or(Ok(()), |first| {
+        let (count, path) = (1 + faults.count(), folder.path().display());
+        Err(PyRuntimeError::new_err(format!(
+            "{count} trials failed; the first: {first}; use another folder than {path} for the next run"
+        )))
+    })
+}
+
+#[pymethods]
+impl Study {
+    /// The report as text for a terminal.
+    fn report(&self) -> PyResult<String> {
+        let folder = StudyFolder::read(&self.folder).map_err(invalid)?;
+        Ok(Report::new(&folder).terminal())
+    }
+
+    /// Repeats the trials, and writes the table of episodes and the learning curves to the folder of the study.
+    fn write_episodes(&self, py: Python<'_>, jobs: usize) -> PyResult<()> {
+        let stop = || {
+            check_signals(&self.fault);
+            self.fault.is_set()
+        };
+        let written = py.detach(|| {
+            let folder = StudyFolder::read_locked(&self.folder)?;
+            self.study.write_episodes(&folder, jobs, &stop)?;
+            // The report of the same study may be replaced by the one with learning curves.
+            let folder = folder.replacing(true);
+            Report::new(&folder).write(&folder)
+        });
+        self.fault.check()?;
+        written.map_err(invalid)
+    }
+}

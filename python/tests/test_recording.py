@@ -1,0 +1,92 @@
+"""Recordings of agents of Python can be repeated to the bit."""
+
+import gymnasium
+import numpy as np
+import pytest
+import xcscr
+
+
+def record(folder, seed=1, record="all", episodes=3, **arguments):
+    """Records a random agent, and returns what the environment said."""
+    env = xcscr.Record(gymnasium.make("xcscr/Maze4-v0", max_steps=20, **arguments), folder, record)
+    env.action_space.seed(seed)
+    said = []
+    for episode in range(episodes):
+        env.reset(seed=seed if episode == 0 else None)
+        done = False
+        while not done:
+            *_, terminated, truncated, info = env.step(env.action_space.sample())
+            done = terminated or truncated
+            said.append(info)
+    env.close()
+    return said
+
+
+@pytest.mark.parametrize("arguments", [{"arena": "grid", "slip": 0.2}, {"arena": "physics"}, {"arena": "physics", "noise": 2.0}])
+def test_every_file_is_sound_and_bit_identical_to_a_repeated_run(arguments, tmp_path):
+    record(tmp_path / "run", **arguments)
+    files = sorted(path.name for path in (tmp_path / "run").glob("*.mcap"))
+    assert files == ["ep-0001.mcap", "ep-0002.mcap", "ep-0003.mcap", "run.mcap"]
+    for name in files:
+        assert xcscr.verify_recording(tmp_path / "run" / name) is None, name
+
+
+def test_a_recording_ends_where_the_robot_is(tmp_path):
+    """The recorder repeats each episode at another time, and must see the same."""
+    env = xcscr.Record(gymnasium.make("xcscr/Maze4-v0", arena="physics", noise=2.0), tmp_path / "run")
+    env.reset(seed=1)
+    env.step(np.int64(1))
+    env.unwrapped._robot.reset((1, 1))
+    with pytest.raises(RuntimeError, match="ends at"):
+        env.reset()
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_one_others(tmp_path):
+    for name, seed in [("one", 1), ("again", 1), ("other", 2)]:
+        record(tmp_path / name, seed=seed, arena="grid")
+    read = lambda name: (tmp_path / name / "run.mcap").read_bytes()
+    assert read("one") == read("again")
+    assert read("one") != read("other"), "control"
+
+
+def test_an_episode_that_is_broken_off_is_recorded_too(tmp_path):
+    env = xcscr.Record(gymnasium.make("xcscr/Maze4-v0", arena="grid"), tmp_path / "run")
+    for steps in (3, 0, 2):
+        env.reset(seed=1)
+        for _ in range(steps):
+            env.step(np.int64(1))
+    env.close()
+    env.close()
+    assert [path.name for path in sorted((tmp_path / "run").glob("ep-*"))] == ["ep-0001.mcap", "ep-0002.mcap"]
+    assert xcscr.verify_recording(tmp_path / "run/run.mcap") is None
+
+
+def test_a_recording_with_the_actions_of_another_one_is_refuted(tmp_path):
+    for name, seed in [("one", 1), ("other", 2)]:
+        record(tmp_path / name, seed=seed, arena="grid")
+    (tmp_path / "other/run.mcap").replace(tmp_path / "one/run.mcap")
+    assert xcscr.verify_recording(tmp_path / "one/ep-0001.mcap")
+
+
+def test_modes_choose_the_episodes(tmp_path):
+    record(tmp_path / "run", record="every:2", arena="grid")
+    assert [path.name for path in sorted((tmp_path / "run").glob("ep-*"))] == ["ep-0001.mcap", "ep-0003.mcap"]
+    with pytest.raises(ValueError, match="not a recording mode"):
+        record(tmp_path / "bad", record="some", arena="grid")
+
+
+def test_what_cannot_be_recorded_is_refused(tmp_path):
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full/notes.txt").write_text("mine")
+    maze = lambda: gymnasium.make("xcscr/Maze4-v0", arena="grid")
+    with pytest.raises(ValueError, match="contains files"):
+        xcscr.Record(maze(), tmp_path / "full")
+    with pytest.raises(ValueError, match="only the environments"):
+        xcscr.Record(gymnasium.make("xcscr/Wheels-v0"), tmp_path / "wheels")
+    env = xcscr.Record(maze(), tmp_path / "run")
+    with pytest.raises(ValueError, match="one world"):
+        env.reset(options={"goal": (1, 1)})
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(np.int64(1))
+    with pytest.raises(ValueError, match="cannot read|No such file"):
+        xcscr.verify_recording(tmp_path / "nothing.mcap")

@@ -1,0 +1,141 @@
+"""Studies compare agents of Python with the methods of the program."""
+
+import numpy as np
+import pandas
+import pytest
+import xcscr
+
+WORLDS = ["maze4", "maze5"]
+
+
+class QLearning:
+    """Tabular Q-learning."""
+
+    def __init__(self, n_actions, n_bits, seed):
+        assert (n_actions, n_bits) == (4, 16) and seed >= 0
+        self.n_actions = n_actions
+        self.table = {}
+
+    def __len__(self):
+        return len(self.table)
+
+    def values(self, percept):
+        return self.table.get(percept, np.zeros(self.n_actions))
+
+    def learn(self, percept, action, reward, next_percept):
+        row = self.table.setdefault(percept, np.zeros(self.n_actions))
+        best = 0.0 if next_percept is None else max(self.values(next_percept))
+        row[action] += 0.2 * (reward + 0.95 * best - row[action])
+
+    def end_episode(self, reached_goal):
+        assert isinstance(reached_goal, bool)
+
+
+class Chooser(QLearning):
+    """Always goes east."""
+
+    def choose(self, percept):
+        assert isinstance(percept, bytes) and set(percept) <= {0, 1}
+        return 1
+
+
+def study(methods, **arguments):
+    return xcscr.study(**{"worlds": WORLDS, "methods": methods, "trials": 3, "episodes": 40} | arguments)
+
+
+def test_own_agents_run_beside_built_in_methods_with_the_same_seeds():
+    result = study(["q-learning", QLearning])
+    trials = result.trials()
+    assert len(trials) == 2 * 2 * 3
+    seeds = trials.groupby("method")["seed"].apply(list)
+    assert seeds["q-learning"] == seeds[_own(trials)]
+    own = trials[trials["method"] == _own(trials)]
+    assert (own["rules"] > 0).all() and own["greedy_steps"].notna().all()
+    assert own[own["world"] == "maze4"]["first_optimal_episode"].notna().any(), "it learns"
+    assert _own(trials) in result.report()
+    assert {"report.html", "report.md", "trials.csv", "summary.json"} <= {path.name for path in result.folder.iterdir()}
+
+
+def _own(trials):
+    (own,) = set(trials["method"]) - set(xcscr.methods())
+    return own
+
+
+def test_episodes_have_a_row_each_and_scores_are_an_array_of_runs_by_tasks():
+    result = study(["xcscr-plus", QLearning], worlds=["maze5", "maze4"])
+    episodes = result.episodes()
+    assert len(episodes) == 2 * 2 * 3 * 40
+    assert {"steps", "reward", "reached", "optimal", "greedy_steps"} <= set(episodes.columns)
+    scores = result.scores()
+    assert list(scores) == ["xcscr-plus", "qlearning"]
+    assert all(array.shape == (3, 2) and ((0 <= array) & (array <= 1)).all() for array in scores.values())
+    first = episodes.query("method == 'xcscr-plus' and world == 'maze5' and trial == 1")
+    assert scores["xcscr-plus"][0, 0] == first["optimal"].mean()
+    steps = result.scores(lambda trial: trial["steps"].sum())
+    assert steps["qlearning"][0, 0] == episodes.query("method == 'qlearning' and world == 'maze5' and trial == 1")["steps"].sum()
+
+
+def test_results_do_not_depend_on_the_number_of_threads_and_a_folder_resumes(tmp_path):
+    one = study(["q-learning", QLearning], out=tmp_path / "one", jobs=1).trials()
+    many = study(["q-learning", QLearning], out=tmp_path / "many", jobs=4).trials()
+    pandas.testing.assert_frame_equal(one, many)
+    again = study(["q-learning", QLearning], out=tmp_path / "one")
+    assert len(again.episodes()) == 480
+    pandas.testing.assert_frame_equal(one, study(["q-learning", QLearning], out=tmp_path / "one").trials())
+
+
+def test_an_agent_may_choose_its_actions():
+    episodes = study(["q-learning", Chooser], worlds=["maze4"], trials=1, episodes=3).episodes()
+    own = episodes[episodes["method"] == "chooser"]
+    assert not own["reached"].any() and (own["explored"] == 0).all()
+
+
+def test_a_built_in_method_in_a_study_is_the_one_of_train():
+    first = study(["q-learning"], worlds=["maze4"]).episodes().query("trial == 1")
+    alone = xcscr.train("maze4", "q-learning", arena="grid", sensor="neighbours", episodes=40, seed=int(first["seed"].iloc[0]))
+    assert list(alone.episodes()["steps"]) == list(first["steps"])
+
+
+def test_an_exception_of_an_agent_ends_the_study():
+    class Broken(QLearning):
+        def learn(self, *step):
+            raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        study(["q-learning", Broken])
+
+    class Short(QLearning):
+        def values(self, percept):
+            return [1.0]
+
+    with pytest.raises(ValueError, match="1 numbers for 4 actions"):
+        study(["q-learning", Short])
+
+
+def test_ctrl_c_ends_a_study():
+    import _thread
+    import threading
+
+    class Slow(QLearning):
+        def end_episode(self, reached_goal):
+            threading.Event().wait(0.01)
+
+    threading.Timer(0.5, _thread.interrupt_main).start()
+    with pytest.raises(KeyboardInterrupt):
+        study(["q-learning", Slow], trials=1000, jobs=2)
+
+
+def test_bad_input_is_refused_with_the_message_of_the_program(tmp_path):
+    with pytest.raises(ValueError, match="did you mean `q-learning`"):
+        study(["q-lerning"])
+    with pytest.raises(ValueError, match="there is no world `maze99`"):
+        study(["xcs"], worlds=["maze99"])
+    with pytest.raises(ValueError, match="at least one method"):
+        study([QLearning])
+    with pytest.raises(ValueError, match="is the name of another method"):
+        study(["xcs", QLearning, QLearning])
+    with pytest.raises(ValueError, match="did you mean `xcs.beta`"):
+        study(["xcs"], settings={"xcs.betta": 0.1})
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(ValueError, match="did not create"):
+        study(["xcs"], out=tmp_path)

@@ -1,0 +1,120 @@
+"""Studies that compare agents of Python with the methods of the program."""
+
+from __future__ import annotations
+
+import json
+import re
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+from . import _native
+
+
+class Agent(Protocol):
+    """What a study needs of an agent.
+
+    A percept is a `bytes` with a 0 or 1 for each bit; `numpy.frombuffer(percept, "int8")` is the observation of the
+    environment. The study builds an agent for each trial with the arguments `n_actions`, `n_bits` and `seed`.
+
+    An agent may also have `choose(percept)`, which returns an action. Without it, the study explores as for its own
+    methods: a random action with the probability `episode.explore`, and otherwise one of the best. With it, the study
+    still judges the greedy policy by `values`. `len(agent)`, if there is one, is reported as the number of rules.
+    """
+
+    def values(self, percept: bytes) -> Sequence[float | None]:
+        """Returns the value of each action, `None` where it is unknown. Must not change the agent."""
+
+    def learn(self, percept: bytes, action: int, reward: float, next_percept: bytes | None) -> None:
+        """Learns from a step; `next_percept` is `None` at a goal. The last step before a step limit is left out."""
+
+    def end_episode(self, reached_goal: bool) -> None:
+        """Ends an episode: at a goal, or at the step limit."""
+
+
+class Study:
+    """A finished study."""
+
+    def __init__(self, native: _native.Study, folder: Path, jobs: int, temporary: Any = None) -> None:
+        self._native = native
+        self._jobs = jobs
+        self._temporary = temporary
+        self.folder = folder
+        """The folder with `report.html`, figures and tables."""
+
+    def trials(self) -> Any:
+        """A pandas frame with a row for each trial."""
+        import pandas  # type: ignore[import-untyped]
+
+        return pandas.read_csv(self.folder / "trials.csv")
+
+    def episodes(self) -> Any:
+        """A pandas frame with a row for each episode. The first call repeats the trials."""
+        import pandas
+
+        table = self.folder / "episodes.csv.gz"
+        if not table.exists():
+            self._native.write_episodes(self._jobs)
+        return pandas.read_csv(table)
+
+    def report(self) -> str:
+        """The report as text. `folder / "report.html"` has the figures."""
+        return self._native.report()
+
+    def scores(self, score: Callable[[Any], Any] | None = None) -> dict[str, Any]:
+        """The scores as `rliable` reads them: for each method an array of runs x worlds.
+
+        `score` maps the frame of `episodes()` of one trial to a number. By default it is the share of episodes after
+        which the greedy policy is globally optimal.
+        """
+        keys = ["method", "world", "trial"]
+        groups = self.episodes().groupby(keys, sort=False)
+        column = groups["optimal"].mean() if score is None else groups.apply(score, include_groups=False)
+        table = column.unstack("world", sort=False)
+        return {str(name): table.loc[name].to_numpy(dtype=float) for name in table.index.unique("method")}
+
+    def __repr__(self) -> str:
+        return f"<study in {self.folder}>"
+
+
+def study(
+    worlds: Sequence[str],
+    methods: Sequence[str | Callable[..., Agent]],
+    *,
+    trials: int = 30,
+    episodes: int = 180,
+    arena: str = "grid",
+    sensor: str | None = None,
+    settings: dict[str, Any] | None = None,
+    seed: int = 1,
+    out: str | Path | None = None,
+    jobs: int = 0,
+) -> Study:
+    """Runs paired trials of each method in each world, and compares them.
+
+    `methods` are names (`xcscr.methods()`), at least one, and classes of your own agents: see `xcscr.studies.Agent`. Trial n has
+    the same seed for all methods. `out` keeps the study in a folder, and the same call resumes it there. Choose
+    another folder when the code of an agent has changed. `jobs` is the number of threads, 0 for all cores; the results
+    do not depend on it.
+    """
+    names = [method for method in methods if isinstance(method, str)]
+    if not names:
+        raise ValueError("give at least one method of the program to compare with: see xcscr.methods()")
+    agents = [(_name(method), method) for method in methods if not isinstance(method, str)]
+    table: dict[str, Any] = {"name": "study", "worlds": list(worlds), "methods": names, "arenas": [arena]}
+    table |= {"trials": trials, "episodes": episodes, "seed": seed}
+    if sensor is not None:
+        table["sensors"] = [sensor]
+    lines = [f"{key} = {json.dumps(value)}" for key, value in table.items()]
+    lines += ["[settings]"] + [f"{json.dumps(key)} = {json.dumps(value)}" for key, value in (settings or {}).items()]
+    temporary = tempfile.TemporaryDirectory(prefix="xcscr-study-") if out is None else None
+    folder = Path(temporary.name if temporary else out or "")
+    native = _native.run_study("\n".join(lines), agents, str(folder), jobs)
+    return Study(native, folder, jobs, temporary)
+
+
+def _name(agent: Callable[..., Agent]) -> str:
+    """The name of a class in reports: `MyAgent` is `my-agent`."""
+    name = getattr(agent, "__name__", type(agent).__name__)
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", name).replace("_", "-").strip("-").lower()
