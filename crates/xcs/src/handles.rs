@@ -45,11 +45,13 @@ impl Handles {
     }
 
     /// Returns the id of the classifier at `position`.
+    #[inline]
     pub fn id_at(&self, position: usize) -> ClassifierId {
         self.ids[position]
     }
 
     /// Returns the position of a classifier; `None` if it was deleted.
+    #[inline]
     pub fn position(&self, id: ClassifierId) -> Option<usize> {
         let &(generation, position) = self.slots.get(id.slot as usize)?;
         (generation == id.generation).then_some(position as usize)

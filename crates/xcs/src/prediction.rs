@@ -60,18 +60,22 @@ pub struct PredictionSums {
 
 impl PredictionSums {
     /// Adds a matching rule.
+    #[inline]
     pub fn add<C>(&mut self, rule: &Classifier<C>) {
         let at = rule.action.index();
-        let (weighted, fitness) = match self.sums.get_mut(at) {
-            Some(sums) => sums,
-            None => {
-                let at = at - MAX_ACTIONS;
-                self.wide.resize(self.wide.len().max(at + 1), (0.0, 0.0));
-                &mut self.wide[at]
-            }
+        let (weighted, fitness) = match at < MAX_ACTIONS {
+            true => &mut self.sums[at],
+            false => self.wide(at - MAX_ACTIONS),
         };
         *weighted += rule.prediction * rule.fitness;
         *fitness += rule.fitness;
+    }
+
+    /// Returns the sums of a wide action. Not inlined, because most learners have few actions.
+    #[cold]
+    fn wide(&mut self, at: usize) -> &mut (f64, f64) {
+        self.wide.resize(self.wide.len().max(at + 1), (0.0, 0.0));
+        &mut self.wide[at]
     }
 
     /// Returns the value of one action, computed as in [`Self::array`]. Also works for a wide

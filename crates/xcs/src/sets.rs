@@ -45,14 +45,22 @@ impl<C: Representation> MatchSet<C> {
     }
 
     /// Adds a matching rule.
+    #[inline]
     pub(super) fn add(&mut self, id: ClassifierId, rule: &Classifier<C>) {
         let at = rule.action.index();
-        if at >= self.members.len() {
-            self.members.resize(at + 1, Vec::new());
+        match self.members.get_mut(at) {
+            Some(members) => members.push(id),
+            None => self.add_first(at, id),
         }
-        self.members[at].push(id);
         self.micro += rule.numerosity;
         self.sums.add(rule);
+    }
+
+    /// Adds the first rule that advocates an action. Not inlined, because it is rare.
+    #[cold]
+    fn add_first(&mut self, at: usize, id: ClassifierId) {
+        self.members.resize(at + 1, Vec::new());
+        self.members[at].push(id);
     }
 
     /// Returns true if a rule advocates the action.

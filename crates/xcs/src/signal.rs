@@ -192,6 +192,7 @@ impl Action {
     }
 
     /// Returns the number of this action, counted from 0.
+    #[inline]
     pub fn index(self) -> usize {
         usize::from(self.0)
     }
