@@ -160,7 +160,7 @@ impl Agent for External {
             }
             None => {
                 let (action, explores) = explorer.choose(values);
-                Choice::of_a_table(action, explores)
+                Choice::by(Chooser::Table, action, explores)
             }
         }
     }
