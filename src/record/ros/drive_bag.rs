@@ -182,6 +182,10 @@ impl DriveRecording {
         for message in messages {
             let message = message.map_err(|cause| damaged(cause.to_string()))?;
             let channel = &message.channel;
+            // The true pose is an odometry message, too, but no reading.
+            if channel.topic.contains("/ground_truth/") {
+                continue;
+            }
             let topic = channel.topic.rsplit('/').next().unwrap_or_default();
             let added = recording.add(topic, message.log_time, &message.data, &mut clock_ns);
             added.map_err(|cause| damaged(format!("{}: {cause}", channel.topic)))?;
