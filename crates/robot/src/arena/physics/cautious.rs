@@ -2,7 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::params::PhysicsParams;
 use xcs::settings;
+
+/// Returns the driving settings, `usual` or `careful`, given whether wheel slip is detected.
+pub(super) fn profile<'a>(
+    usual: &'a PhysicsParams,
+    careful: &'a PhysicsParams,
+    slips: bool,
+) -> &'a PhysicsParams {
+    match usual.cautious.when {
+        Care::Always => careful,
+        Care::Slipping if slips => careful,
+        Care::Slipping | Care::Never => usual,
+    }
+}
 
 /// When the robot drives cautiously.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::motion::{Command, Motion};
+use super::motion::{Motion, Speeds};
 use super::params::PhysicsParams;
 
 /// The phase of a manoeuvre.
@@ -81,7 +81,7 @@ impl Maneuver {
     }
 
     /// Returns the next command; `None` once the robot has arrived.
-    pub(super) fn command(&mut self, seen: &Motion, params: &PhysicsParams) -> Option<Command> {
+    pub(super) fn command(&mut self, seen: &Motion, params: &PhysicsParams) -> Option<Speeds> {
         let face = self.facing * (seen.pose.rotation * Vector2::x());
         if self.phase == Phase::Turn {
             let sine = face.perp(&self.along);
@@ -95,20 +95,20 @@ impl Maneuver {
     }
 
     /// Turns as fast as it can while still able to stop in time.
-    fn turn(&self, face: Vector2<f64>, params: &PhysicsParams) -> Command {
+    fn turn(&self, face: Vector2<f64>, params: &PhysicsParams) -> Speeds {
         let chord = (2.0 - 2.0 * face.dot(&self.along)).max(0.0).sqrt();
         let rate = (2.0 * params.turn_deceleration_radps2 * chord)
             .sqrt()
             .min(params.heading_gain_per_s * chord)
             .min(params.max_turn_radps);
-        Command {
+        Speeds {
             forward_mps: 0.0,
             turn_radps: rate.copysign(face.perp(&self.along)),
         }
     }
 
     /// Drives toward the target while holding heading and track.
-    fn drive(&self, face: Vector2<f64>, seen: &Motion, params: &PhysicsParams) -> Option<Command> {
+    fn drive(&self, face: Vector2<f64>, seen: &Motion, params: &PhysicsParams) -> Option<Speeds> {
         let ahead = self.ahead(seen);
         if ahead.abs() < params.arrival_m && seen.forward_mps.abs() < params.arrival_mps {
             return None;
@@ -122,7 +122,7 @@ impl Maneuver {
         let lean = lean.clamp(-params.track_limit, params.track_limit);
         let course = (1.0 - lean * lean).sqrt() * self.along + lean * left;
         let rate = params.heading_gain_per_s * face.perp(&course);
-        Some(Command {
+        Some(Speeds {
             forward_mps: self.facing * speed,
             turn_radps: rate.clamp(-params.max_turn_radps, params.max_turn_radps),
         })

@@ -42,10 +42,11 @@ use nalgebra::{Point2, Vector2};
 use rapier2d::prelude::SharedShape;
 
 pub use batch::{BatchArena, Lanes};
+use cautious::profile;
 pub use cautious::{Care, CautiousParams};
 pub use error::PhysicsError;
 pub use params::{Localisation, PhysicsParams};
-pub use pilot::{ManeuverEnd, Pilot, Speeds};
+pub use pilot::{ManeuverEnd, Pilot};
 pub use sensed_drive::SensedDrive;
 pub use snapshot::Snapshot;
 pub use wheel_drive::WheelDrive;
@@ -54,7 +55,8 @@ use self::contact::{Hits, is_frontal};
 use self::controller::Maneuver;
 use self::discretiser::cell_from_position;
 pub use self::fit::check_fit;
-use self::motion::{Command, Motion};
+use self::motion::Motion;
+pub use self::motion::Speeds;
 use self::noise::Noise;
 use self::robot::{Wheels, true_motion};
 use self::sensing::Sensing;
@@ -173,15 +175,11 @@ impl PhysicsArena {
 
     /// Returns the driving settings, given whether wheel slip is detected.
     fn profile(&self, slips: bool) -> &PhysicsParams {
-        match self.params.cautious.when {
-            Care::Always => &self.careful,
-            Care::Slipping if slips => &self.careful,
-            Care::Slipping | Care::Never => &self.params,
-        }
+        profile(&self.params, &self.careful, slips)
     }
 
     /// Applies a command to the wheels, and the force of the wheels to the floor.
-    fn drive(&mut self, command: Command, motion: &Motion, bias: [f64; 2], slips: bool) {
+    fn drive(&mut self, command: Speeds, motion: &Motion, bias: [f64; 2], slips: bool) {
         let [left, right] = self.noise.wheel_noise();
         let excess = [bias[0] + left, bias[1] + right];
         let mut wheels = self.wheels;

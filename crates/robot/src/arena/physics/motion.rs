@@ -2,6 +2,8 @@
 
 use nalgebra::Isometry2;
 
+use super::params::PhysicsParams;
+
 /// The true or estimated motion of the robot; lengths in metres.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Motion {
@@ -15,19 +17,47 @@ pub(super) struct Motion {
     pub turn_radps: f64,
 }
 
-/// The motion that the controller asks for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Command {
-    /// Speed along the heading in m/s.
+impl Motion {
+    /// Returns the motion of a robot at a pose with these speeds, which does not slide sideways.
+    pub fn of(pose: Isometry2<f64>, speeds: Speeds) -> Self {
+        Self {
+            pose,
+            forward_mps: speeds.forward_mps,
+            sideways_mps: 0.0,
+            turn_radps: speeds.turn_radps,
+        }
+    }
+}
+
+/// A speed along the heading and a turn rate.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Speeds {
+    /// Speed along the heading in m/s; negative when it drives backward.
     pub forward_mps: f64,
     /// Turn rate in rad/s, counter-clockwise.
     pub turn_radps: f64,
 }
 
-impl Command {
-    /// Stand still.
+impl Speeds {
+    /// The speeds of a robot at rest.
     pub const REST: Self = Self {
         forward_mps: 0.0,
         turn_radps: 0.0,
     };
+
+    /// Returns the speeds within the limits of the settings. NaN becomes 0.
+    pub(super) fn limited(self, params: &PhysicsParams) -> Self {
+        Self {
+            forward_mps: within(self.forward_mps, params.max_speed_mps),
+            turn_radps: within(self.turn_radps, params.max_turn_radps),
+        }
+    }
+}
+
+/// Clamps a number to `-most` to `most`. NaN becomes 0.
+pub(super) fn within(number: f64, most: f64) -> f64 {
+    match number.is_nan() {
+        true => 0.0,
+        false => number.clamp(-most, most),
+    }
 }

@@ -1,27 +1,18 @@
-//! The onboard computer and the controller of a robot outside of the arena: a real one, or one
-//! behind a network.
+//! The onboard computer and the controller of a robot, in the arena or outside of it: a real one, or
+//! one behind a network.
 
 use nalgebra::{Isometry2, Vector2};
-use xcscr_sensing::{Onboard, Readings};
+use xcscr_sensing::{Belief, Onboard, Readings};
 
-use super::cautious::Care;
+use super::cautious::profile;
 use super::controller::Maneuver;
-use super::motion::{Command, Motion};
+use super::motion::{Motion, Speeds};
 use super::params::PhysicsParams;
 use super::vector;
-use crate::arena::{Estimate, Sample, Sensed, View};
+use crate::arena::{Estimate, Sample, Sensed, Surroundings, View};
 use crate::sensor::Sensor;
 use crate::world::{Cell, Direction, Maze};
 use xcs::Percept;
-
-/// A speed along the heading and a turn rate.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Speeds {
-    /// Speed along the heading in m/s; negative when it drives backward.
-    pub forward_mps: f64,
-    /// Turn rate in rad/s, counter-clockwise.
-    pub turn_radps: f64,
-}
 
 /// How a manoeuvre ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,8 +34,8 @@ struct Action {
     wanted: [i32; 2],
 }
 
-/// The onboard computer and the controller of [`PhysicsArena`](super::PhysicsArena), for a robot
-/// that the arena does not simulate.
+/// The onboard computer and the controller of a robot that localises itself. It drives the robot
+/// of [`PhysicsArena`](super::PhysicsArena), and robots that the arena does not simulate.
 ///
 /// The filter processes sensor readings in steps of 50 ms ([`sense`](Self::sense)), possibly late.
 /// The controller uses the current pose ([`command`](Self::command)). All poses are in the grid
@@ -92,7 +83,7 @@ impl Pilot {
         let home = self.onboard.cell();
         let (east, south) = direction.offset();
         let middle = self.onboard.middle();
-        let seen = motion(pose, speeds);
+        let seen = Motion::of(pose, speeds);
         self.action = Some(Action {
             maneuver: Maneuver::new(middle, vector(direction), self.cell_size_m, &seen),
             home,
@@ -104,21 +95,10 @@ impl Pilot {
     /// speeds. Returns `None` if the manoeuvre is over, or there is none. The speeds never exceed
     /// the robot's settings.
     pub fn command(&mut self, pose: Isometry2<f64>, speeds: Speeds) -> Option<Speeds> {
-        let slips = self.onboard.slips();
-        let params = match self.params.cautious.when {
-            Care::Always => &self.careful,
-            Care::Slipping if slips => &self.careful,
-            Care::Slipping | Care::Never => &self.params,
-        };
-        let action = self.action.as_mut()?;
-        let Command {
-            forward_mps,
-            turn_radps,
-        } = action.maneuver.command(&motion(pose, speeds), params)?;
-        Some(Speeds {
-            forward_mps: within(forward_mps, self.params.max_speed_mps),
-            turn_radps: within(turn_radps, self.params.max_turn_radps),
-        })
+        let params = profile(&self.params, &self.careful, self.onboard.slips());
+        let maneuver = &mut self.action.as_mut()?.maneuver;
+        let speeds = maneuver.command(&Motion::of(pose, speeds), params)?;
+        Some(speeds.limited(&self.params))
     }
 
     /// Returns the direction of travel as a unit vector while a wall could block the manoeuvre.
@@ -126,10 +106,34 @@ impl Pilot {
     /// off.
     pub fn travel_direction(&self, pose: Isometry2<f64>) -> Option<Vector2<f64>> {
         let maneuver = &self.action.as_ref()?.maneuver;
-        let seen = motion(pose, Speeds::default());
+        let seen = Motion::of(pose, Speeds::REST);
         maneuver
             .is_stopped_by_walls(&seen)
             .then(|| maneuver.along())
+    }
+
+    /// Returns the direction of the manoeuvre as a unit vector; the x axis without a manoeuvre.
+    pub(super) fn along(&self) -> Vector2<f64> {
+        let action = self.action.as_ref();
+        action.map_or(Vector2::x(), |action| action.maneuver.along())
+    }
+
+    /// Returns true if the bumper in the direction of the manoeuvre is closed.
+    pub(super) fn is_bumped(&self) -> bool {
+        let [front, rear] = self.onboard.bumped();
+        let action = self.action.as_ref();
+        action.is_some_and(|action| {
+            if action.maneuver.front_leads() {
+                front
+            } else {
+                rear
+            }
+        })
+    }
+
+    /// Restores the state of the onboard computer between two actions.
+    pub(super) fn restore(&mut self, belief: Belief, surroundings: Surroundings) {
+        self.onboard.restore(belief, surroundings);
     }
 
     /// Makes the robot drive back to where the manoeuvre started, because of an obstacle.
@@ -187,22 +191,5 @@ impl Pilot {
             executed: None,
             flipped: None,
         }))
-    }
-}
-
-fn motion(pose: Isometry2<f64>, speeds: Speeds) -> Motion {
-    Motion {
-        pose,
-        forward_mps: speeds.forward_mps,
-        sideways_mps: 0.0,
-        turn_radps: speeds.turn_radps,
-    }
-}
-
-/// Clamps a number to `-most` to `most`. NaN becomes 0.
-fn within(number: f64, most: f64) -> f64 {
-    match number.is_nan() {
-        true => 0.0,
-        false => number.clamp(-most, most),
     }
 }

@@ -5,7 +5,7 @@ use rapier2d::prelude::{RigidBody, Vector};
 use serde::{Deserialize, Serialize};
 
 use super::STEP_S;
-use super::motion::{Command, Motion};
+use super::motion::{Motion, Speeds};
 use super::params::{PhysicsParams, grip_mps2};
 
 /// Returns the true motion of the robot's body in the engine.
@@ -35,7 +35,7 @@ pub(super) struct Wheels {
 
 impl Wheels {
     /// Makes the motors follow a command for one step, with their lag and limited acceleration.
-    pub(super) fn follow(&mut self, command: Command, params: &PhysicsParams) {
+    pub(super) fn follow(&mut self, command: Speeds, params: &PhysicsParams) {
         let share = STEP_S / (params.motor_lag_s + STEP_S);
         let limit = params.wheel_acceleration_mps2 * STEP_S;
         let turn = command.turn_radps * params.wheel_base_m / 2.0;

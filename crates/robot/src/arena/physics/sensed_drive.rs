@@ -3,14 +3,13 @@
 use nalgebra::{Isometry2, Vector2};
 use rapier2d::prelude::Rotation;
 
-use super::motion::Command;
+use super::motion::Speeds;
 use super::params::{Localisation, PhysicsParams};
-use super::pilot::Speeds;
 use super::sensing::streams;
 use super::{Arena, PhysicsArena, PhysicsError};
 use crate::arena::View;
 use crate::world::Maze;
-use xcscr_sensing::{Moment, Readings, Return, Sensors};
+use xcscr_sensing::{Readings, Return, Sensors};
 
 /// A simulated robot that is controlled by speeds and reads its sensors, in steps of 50 ms.
 ///
@@ -67,31 +66,15 @@ impl SensedDrive {
     pub fn step(&mut self, speeds: Speeds) -> Readings<'_> {
         let arena = &mut self.arena;
         arena.begin_trace();
-        let limited = |number: f64, most: f64| match number.is_nan() {
-            true => 0.0,
-            false => number.clamp(-most, most),
-        };
-        let command = Command {
-            forward_mps: limited(speeds.forward_mps, arena.params.max_speed_mps),
-            turn_radps: limited(speeds.turn_radps, arena.params.max_turn_radps),
-        };
-        let is_at_rest = command == Command::REST;
+        let command = speeds.limited(&arena.params);
+        let is_at_rest = command == Speeds::REST;
         if self.was_at_rest && !is_at_rest {
             self.bias = arena.noise.wheel_bias();
         }
         self.was_at_rest = is_at_rest;
         let motion = arena.motion();
         arena.drive(command, &motion, self.bias, false);
-        let step = arena.steps;
-        arena.step(Vector2::x());
-        let moment = Moment {
-            step,
-            before: motion.pose,
-            after: arena.motion().pose,
-            travel_m: arena.wheels.travel_m,
-            pushes: arena.simulation.pushes(),
-        };
-        self.sensors.read(&arena.maze, &moment, &mut self.returns)
+        arena.read_step(&mut self.sensors, &mut self.returns, Vector2::x())
     }
 
     /// Returns the view of the arena: the true pose, and the collisions of the last step.

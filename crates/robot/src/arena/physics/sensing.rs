@@ -6,16 +6,16 @@
 use nalgebra::{Isometry2, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::controller::Maneuver;
 use super::discretiser::cell_from_position;
-use super::motion::{Command, Motion};
+use super::motion::Speeds;
 use super::params::{Localisation, PhysicsParams};
-use super::{PhysicsArena, STEP_NS, vector};
+use super::pilot::{ManeuverEnd, Pilot};
+use super::{PhysicsArena, STEP_NS};
 use crate::arena::{Beam, Estimate, Outcome, Sensed, Surroundings};
 use crate::streams::StreamName;
 use crate::world::{Cell, Direction, Maze};
 use xcs::random::Stream;
-use xcscr_sensing::{Belief, Moment, Onboard, Return, SensorState, Sensors, Streams};
+use xcscr_sensing::{Belief, Moment, Onboard, Readings, Return, SensorState, Sensors, Streams};
 
 /// Number of lidar turns before the first action of an episode. In one turn only two beams may pass
 /// a narrow gap, and losing one of them must not close the gap.
@@ -24,7 +24,7 @@ const TURNS_BEFORE_START: u64 = 2;
 /// Sensors, onboard computer, and the data shown to observers.
 pub(super) struct Sensing {
     sensors: Sensors,
-    onboard: Onboard,
+    pilot: Pilot,
     steps_per_turn: u64,
     /// The beams of one step.
     returns: Vec<Return>,
@@ -53,7 +53,7 @@ impl Sensing {
         let robot = params.robot(cell_size_m);
         let senses = || Self {
             sensors: Sensors::new(&robot, streams(seed)),
-            onboard: Onboard::new(&robot),
+            pilot: Pilot::new(params, cell_size_m),
             steps_per_turn: params.lidar.steps_per_turn(),
             returns: Vec::new(),
             estimates: Vec::new(),
@@ -62,43 +62,37 @@ impl Sensing {
         (params.localisation == Localisation::Estimated).then(|| Box::new(senses()))
     }
 
-    /// Returns the estimated motion of the robot.
-    fn motion(&self) -> Motion {
-        let (forward_mps, turn_radps) = self.onboard.speeds();
-        Motion {
-            pose: self.onboard.estimate().0,
+    /// Returns the estimated pose and speeds of the robot.
+    fn estimated(&self) -> (Isometry2<f64>, Speeds) {
+        let onboard = self.pilot.onboard();
+        let (forward_mps, turn_radps) = onboard.speeds();
+        let speeds = Speeds {
             forward_mps,
-            sideways_mps: 0.0,
             turn_radps,
-        }
-    }
-
-    /// Returns true if the bumper in the direction of travel is closed.
-    fn is_bumped(&self, maneuver: &Maneuver) -> bool {
-        let [front, rear] = self.onboard.bumped();
-        if maneuver.front_leads() { front } else { rear }
+        };
+        (onboard.estimate().0, speeds)
     }
 
     /// Returns the state for a checkpoint between two episodes.
     pub(super) fn memory(&self) -> SensingMemory {
         SensingMemory {
             sensors: self.sensors.state(),
-            belief: self.onboard.belief().clone(),
+            belief: self.pilot.onboard().belief().clone(),
         }
     }
 
     /// Restores a checkpoint.
     pub(super) fn recall(&mut self, memory: &SensingMemory) {
         self.sensors.set_state(&memory.sensors);
-        let surroundings = self.onboard.surroundings().clone();
-        self.onboard.restore(memory.belief.clone(), surroundings);
+        let surroundings = self.pilot.onboard().surroundings().clone();
+        self.pilot.restore(memory.belief.clone(), surroundings);
     }
 
     /// Returns the state for a snapshot between two actions.
     pub(super) fn state(&self) -> SensingState {
         SensingState {
             memory: self.memory(),
-            surroundings: self.onboard.surroundings().clone(),
+            surroundings: self.pilot.onboard().surroundings().clone(),
         }
     }
 
@@ -106,7 +100,7 @@ impl Sensing {
     pub(super) fn set_state(&mut self, state: &SensingState) {
         self.sensors.set_state(&state.memory.sensors);
         let belief = state.memory.belief.clone();
-        self.onboard.restore(belief, state.surroundings.clone());
+        self.pilot.restore(belief, state.surroundings.clone());
     }
 
     /// Clears the data shown to observers of the last action.
@@ -118,7 +112,7 @@ impl Sensing {
 
     /// Records the current estimate, in the map frame.
     fn record_estimate(&mut self, maze: &Maze) {
-        let (robot_in_grid, mut covariance) = self.onboard.estimate();
+        let (robot_in_grid, mut covariance) = self.pilot.onboard().estimate();
         if let Some(grid) = maze.grid_in_map() {
             let turn = grid.rotation.to_rotation_matrix().into_inner();
             let turn = turn.to_homogeneous();
@@ -145,7 +139,7 @@ impl PhysicsArena {
     /// Puts the robot down, and lets its lidar turn before the first decision.
     pub(super) fn look_round(&mut self, sensing: &mut Sensing) {
         sensing.sensors.reset();
-        sensing.onboard.put_down(self.motion().pose);
+        sensing.pilot.put_down(self.motion().pose);
         sensing.begin_records(&self.maze);
         for _ in 0..TURNS_BEFORE_START * sensing.steps_per_turn {
             self.sense_step(sensing, Vector2::x());
@@ -158,48 +152,42 @@ impl PhysicsArena {
         sensing: &mut Sensing,
         direction: Direction,
     ) -> Outcome {
-        sensing.onboard.begin_action();
+        let (pose, speeds) = sensing.estimated();
+        sensing.pilot.begin(direction, pose, speeds);
         sensing.begin_records(&self.maze);
-        let home = sensing.onboard.cell();
-        let (east, south) = direction.offset();
-        let wanted = [home[0] + east, home[1] - south];
-        let (middle, seen) = (sensing.onboard.middle(), sensing.motion());
-        let size_m = self.maze.cell_size_m();
-        let mut maneuver = Maneuver::new(middle, vector(direction), size_m, &seen);
-        let arrived = self.perform_with_sensors(sensing, &mut maneuver);
-        self.cell = self.estimated_cell(&sensing.onboard);
-        if arrived && maneuver.backs_off() && sensing.onboard.cell() == home {
-            let along = self.maze.vector_in_map(-maneuver.along());
-            let impulse_ns = Some(self.hits.frontal_impulse_ns(along));
-            return Outcome::Collided { impulse_ns };
-        }
-        if sensing.onboard.over_marker() {
-            return Outcome::ReachedGoal;
-        }
-        if arrived && sensing.onboard.cell() == wanted {
-            Outcome::Moved
-        } else {
-            Outcome::Stalled
+        let in_time = self.perform_with_sensors(sensing);
+        let (onboard, along) = (sensing.pilot.onboard(), sensing.pilot.along());
+        let at_goal = onboard.over_marker();
+        self.cell = self.estimated_cell(onboard);
+        match sensing.pilot.end() {
+            Some(ManeuverEnd::Blocked) if in_time => {
+                let against = self.maze.vector_in_map(-along);
+                let impulse_ns = Some(self.hits.frontal_impulse_ns(against));
+                Outcome::Collided { impulse_ns }
+            }
+            _ if at_goal => Outcome::ReachedGoal,
+            Some(ManeuverEnd::Reached) if in_time => Outcome::Moved,
+            _ => Outcome::Stalled,
         }
     }
 
     /// Drives until the manoeuvre ends and the lidar has completed a turn. Returns true if both
     /// happened in time.
-    fn perform_with_sensors(&mut self, sensing: &mut Sensing, maneuver: &mut Maneuver) -> bool {
+    fn perform_with_sensors(&mut self, sensing: &mut Sensing) -> bool {
         let bias = self.noise.wheel_bias();
         for step in 0..self.max_steps() {
-            let seen = sensing.motion();
-            let slips = sensing.onboard.slips();
-            let command = match maneuver.command(&seen, self.profile(slips)) {
+            let (pose, speeds) = sensing.estimated();
+            let slips = sensing.pilot.onboard().slips();
+            let command = match sensing.pilot.command(pose, speeds) {
                 Some(command) => command,
-                None if step < sensing.steps_per_turn => Command::REST,
+                None if step < sensing.steps_per_turn => Speeds::REST,
                 None => return true,
             };
             let motion = self.motion();
             self.drive(command, &motion, bias, slips);
-            self.sense_step(sensing, maneuver.along());
-            if sensing.is_bumped(maneuver) && maneuver.is_stopped_by_walls(&seen) {
-                maneuver.back_off();
+            self.sense_step(sensing, sensing.pilot.along());
+            if sensing.pilot.is_bumped() && sensing.pilot.travel_direction(pose).is_some() {
+                sensing.pilot.back_off();
             }
         }
         false
@@ -208,22 +196,29 @@ impl PhysicsArena {
     /// Simulates one step, and passes the sensor readings to the onboard computer.
     fn sense_step(&mut self, sensing: &mut Sensing, along: Vector2<f64>) {
         let start_ns = self.time_ns();
+        let readings = self.read_step(&mut sensing.sensors, &mut sensing.returns, along);
+        sensing.pilot.sense(&readings);
+        sensing.record_beams(start_ns);
+        sensing.record_estimate(&self.maze);
+    }
+
+    /// Simulates one step, and returns the sensor readings. The beams go to `returns`.
+    pub(super) fn read_step<'a>(
+        &mut self,
+        sensors: &mut Sensors,
+        returns: &'a mut Vec<Return>,
+        along: Vector2<f64>,
+    ) -> Readings<'a> {
         let (step, before) = (self.steps, self.motion().pose);
         self.step(along);
-        let after = self.motion().pose;
         let moment = Moment {
             step,
             before,
-            after,
+            after: self.motion().pose,
             travel_m: self.wheels.travel_m,
             pushes: self.simulation.pushes(),
         };
-        let readings = sensing
-            .sensors
-            .read(&self.maze, &moment, &mut sensing.returns);
-        sensing.onboard.step(&readings);
-        sensing.record_beams(start_ns);
-        sensing.record_estimate(&self.maze);
+        sensors.read(&self.maze, &moment, returns)
     }
 
     /// Returns the estimated cell in the maze, for observers. An estimate outside the free cells
@@ -248,10 +243,10 @@ impl PhysicsArena {
     pub(super) fn sensed(&self) -> Option<Sensed<'_>> {
         let sensing = self.sensing.as_ref()?;
         let cell_of = |pose: Isometry2<f64>| self.maze.cell_in_grid(pose.translation.vector.into());
-        let (truth, estimate) = (self.motion().pose, sensing.onboard.estimate().0);
+        let (truth, estimate) = (self.motion().pose, sensing.pilot.onboard().estimate().0);
         Some(Sensed {
-            surroundings: sensing.onboard.surroundings(),
-            cell: self.estimated_grid_cell(&sensing.onboard),
+            surroundings: sensing.pilot.onboard().surroundings(),
+            cell: self.estimated_grid_cell(sensing.pilot.onboard()),
             estimates: &sensing.estimates,
             beams: &sensing.beams,
             lost: cell_of(truth) != cell_of(estimate),

@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation2, Vector2};
 
-use super::motion::Command;
+use super::motion::{Speeds, within};
 use super::{PhysicsArena, cell_from_position};
 use crate::arena::Arena;
 use crate::world::Cell;
@@ -49,11 +49,8 @@ impl WheelDrive {
         let arena = &mut self.arena;
         arena.begin_trace();
         let most = arena.params.max_speed_mps;
-        let [left, right] = rims_mps.map(|speed| match speed.is_nan() {
-            true => 0.0,
-            false => speed.clamp(-most, most),
-        });
-        let command = Command {
+        let [left, right] = rims_mps.map(|speed| within(speed, most));
+        let command = Speeds {
             forward_mps: (left + right) / 2.0,
             turn_radps: (right - left) / arena.params.wheel_base_m,
         };
