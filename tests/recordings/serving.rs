@@ -214,7 +214,7 @@ fn many_silent_or_slow_clients_keep_nobody_out_even_with_64_descriptors() {
     assert!(server.child.try_wait().unwrap().is_none());
 }
 
-/// A place is free a second after whoever holds it fell silent, at the latest.
+/// A slot of a client that sends no request is free after a second.
 fn served_within_a_while(server: &Served, when: &str) {
     wait_until(when, || server.ask_or_nothing(FILE).ends_with(&sample()));
 }

@@ -8,8 +8,8 @@ use super::connection::Connection;
 const MAX_HEAD_BYTES: usize = 8 * 1024;
 /// The maximum number of headers.
 const MAX_HEADERS: usize = 64;
-/// The maximum time to receive a head.
-const HEAD_TIME: Duration = Duration::from_secs(3);
+/// The maximum time to receive a head. It is short, because silent connections keep others out.
+const HEAD_TIME: Duration = Duration::from_secs(1);
 
 /// The origin of a web page: scheme, host and port.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -117,6 +117,8 @@ impl Listener {
     {
         match Head::read(connection).and_then(|head| self.check(head)) {
             Ok(head) => host(&head, connection)?,
+            // A connection that sent too little must not keep its slot any longer.
+            Err(408) => return connection.send(&refusal(408)),
             Err(status) => connection.send(&refusal(status))?,
         }
         connection.shut_down()
