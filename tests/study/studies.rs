@@ -514,6 +514,50 @@ fn a_report_says_what_came_out_and_draws_it() {
     }
 }
 
+/// Holm's step-down correction, written from its definition.
+fn step_down(ps: &[f64]) -> Vec<f64> {
+    let corrected = |p: f64| {
+        let as_small = ps.iter().filter(|&&other| other <= p);
+        let factor = |one: f64| ps.iter().filter(|&&other| other >= one).count() as f64;
+        as_small
+            .map(|&one| (one * factor(one)).min(1.0))
+            .fold(0.0, f64::max)
+    };
+    ps.iter().map(|&p| corrected(p)).collect()
+}
+
+#[test]
+fn tests_are_corrected_for_all_worlds_and_methods_that_are_compared() {
+    let desk = Desk::new();
+    desk.write(
+        "three.toml",
+        "name = \"three\"\nworlds = [\"maze4\", \"maze5\"]\nmethods = [\"q-learning\", \"xcs\", \"xcscr\"]\n\
+         trials = 12\nepisodes = 40\n",
+    );
+    desk.done("run three.toml --out a");
+    let report: serde_json::Value = serde_json::from_str(&desk.done("report a --json")).unwrap();
+    let comparisons = report["comparisons"].as_array().unwrap();
+    let column = |name: &str| -> Vec<f64> {
+        let cells = comparisons.iter().map(|one| one[name].as_f64().unwrap());
+        cells.collect()
+    };
+    let (ps, found) = (column("mcnemar_p"), column("holm_p"));
+    assert_eq!(ps.len(), 4, "two worlds, two other methods");
+    let expected = step_down(&ps);
+    for (found, expected) in found.iter().zip(&expected) {
+        assert!(
+            (found - expected).abs() < 1e-5,
+            "{ps:?}: {found} {expected}"
+        );
+    }
+    // Control: a correction over the two worlds of a pair alone would at most double a p.
+    let more_than_doubled = |(found, p): (&f64, &f64)| *found > 2.0 * p + 1e-9;
+    assert!(
+        found.iter().zip(&ps).any(more_than_doubled),
+        "{ps:?} {found:?}"
+    );
+}
+
 #[test]
 fn an_ablation_tells_what_each_switch_contributes() {
     let desk = Desk::new();
