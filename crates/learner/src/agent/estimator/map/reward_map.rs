@@ -45,7 +45,8 @@ impl RewardMap {
         }
     }
 
-    /// Returns the cells that pay more often than not with their rewards, the nearest to the goal first.
+    /// Returns the cells where a reward was found in most visits, with their rewards. The nearest to the
+    /// goal come first.
     pub fn likely(&self) -> Vec<(Place, f64)> {
         let paid = |payment: &CellReward| payment.counts[0] > payment.counts[1];
         let likely = self.0.iter().filter(|(_, payment)| paid(payment));
