@@ -1,4 +1,5 @@
 use super::*;
+use crate::signal::Action;
 
 /// Learns rules for percepts whose last bit tells whether any of the first two bits is set.
 fn learned(induction: Induction) -> Population {
