@@ -223,7 +223,7 @@ function setFacts(list) {
 function setValues(decision) {
   const values = decision?.values ?? [];
   const known = values.filter((value) => value !== null);
-  const [least, greatest] = [Math.min(...known, 0), Math.max(...known, 0)];
+  const [least, greatest] = [Math.min(...known), Math.max(...known)];
   const rows = values.map((value, at) => {
     const row = document.createElement("tr");
     row.className = data.actions[at] === decision.action ? "chosen" : "";
@@ -233,7 +233,8 @@ function setValues(decision) {
     number.textContent = value === null ? "unknown" : value.toFixed(1);
     bar.className = "bar";
     const fill = document.createElement("div");
-    const share = value === null || greatest === least ? 0 : (value - least) / (greatest - least);
+    // The worst known action has a short bar, and unknown ones have none.
+    const share = value === null ? 0 : greatest === least ? 1 : 0.1 + (0.9 * (value - least)) / (greatest - least);
     fill.style.width = `${100 * share}%`;
     bar.append(fill);
     return row;
@@ -344,9 +345,9 @@ function begin() {
   byId("result").textContent = data.result;
   byId("curve-note").textContent = data.curve.episode.length ? "The red line marks the episode that is shown. Click to go to an episode." : "This recording has no learning curve.";
   byId("seek").max = data.end;
-  const legend = [["far", "best action, far from the goal"], ["near", "near it"], ["never", "leads to no goal"], ["start", "start"], ["goal", "goal"], ["robot", "robot"], ["trail", "path of this episode"], ["hit", "collision"]];
+  const legend = [["far", "best action, far from the goal"], ["near", "near it (between: green)"], ["never", "not on a way to the goal"], ["start", "start"], ["goal", "goal"], ["robot", "robot; its arrow is its front, it also drives backward"], ["trail", "path of this episode"], ["hit", "collision"]];
   if (data.scenes.percept.length) legend.push(["free", "perceived as free when it decided"], ["blocked", "perceived as a wall"]);
-  if (data.estimates.length) legend.push(["beam", "lidar beam, where it was recorded"], ["estimate", "estimated pose; dashed: 3 standard deviations, 10 times as large"]);
+  if (data.estimates.length) legend.push(["beam", "lidar beam, where recorded (in highlights: the last drive)"], ["estimate", "estimated pose; dashed: 3 standard deviations, 10 times as large"]);
   byId("legend").replaceChildren(
     ...legend.map(([colour, text]) => {
       const [item, mark] = [document.createElement("li"), document.createElement("i")];
