@@ -264,3 +264,40 @@ fn lock(folder: &Path) -> Result<FolderLock, StudyError> {
     tidied.map_err(|cause| StudyError::io(folder, cause))?;
     Ok(lock)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Barrier;
+    use std::thread;
+
+    use super::*;
+    use crate::study::protocol::{Overrides, StudyFile};
+
+    #[test]
+    fn of_many_processes_that_create_one_folder_at_once_none_finds_a_fault_but_the_lock() {
+        const PROCESSES: usize = 8;
+        let text = "name = 's'\nworlds = ['maze4']\nmethods = ['xcs']\ntrials = 1\nepisodes = 1\n";
+        let file = StudyFile::parse(text, "s.toml", Path::new("")).unwrap();
+        let protocol = Protocol::new(&file, &Overrides::default()).unwrap();
+        for round in 0..50 {
+            let parent = tempfile::tempdir().unwrap();
+            let path = parent.path().join("study");
+            let all_at_once = Barrier::new(PROCESSES);
+            let create = || {
+                all_at_once.wait();
+                StudyFolder::open(&path, &protocol).map(drop)
+            };
+            let results: Vec<_> = thread::scope(|scope| {
+                let threads: Vec<_> = (0..PROCESSES).map(|_| scope.spawn(create)).collect();
+                threads
+                    .into_iter()
+                    .map(|thread| thread.join().unwrap())
+                    .collect()
+            });
+            for result in results {
+                let is_expected = matches!(&result, Ok(()) | Err(StudyError::Locked(_)));
+                assert!(is_expected, "round {round}: {result:?}");
+            }
+        }
+    }
+}

@@ -165,10 +165,10 @@ impl PlannedStudy {
         };
         let path = self.path.join(PLAN);
         match disk::write(&path, &json(&file), force) {
-            Err(cause) if cause.kind() != ErrorKind::AlreadyExists => {
-                Err(StudyError::io(&path, cause))
-            }
-            _ => Ok(()),
+            // Another process wrote a plan first. It may also have locked the folder, and removed
+            // the temporary file of this process.
+            Err(_) if !force && Self::is_in(&self.path) => Ok(()),
+            written => written.map_err(|cause| StudyError::io(&path, cause)),
         }
     }
 
