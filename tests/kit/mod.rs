@@ -5,9 +5,13 @@
 #![allow(clippy::unwrap_used, reason = "a test ends there")]
 
 pub mod chance;
+pub mod desk;
 pub mod folder;
+pub mod messages;
+pub mod mutants;
 pub mod program;
 pub mod schema;
+pub mod script;
 pub mod scripted;
 pub mod served;
 pub mod tally;

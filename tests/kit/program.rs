@@ -1,5 +1,7 @@
 //! Runs the program as a user does.
 
+use std::fs;
+use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::mpsc;
 use std::thread;
@@ -77,6 +79,25 @@ pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
         thread::sleep(LOOK);
     }
     panic!("timed out waiting for: {what}");
+}
+
+/// Waits until a file exists.
+#[track_caller]
+pub fn wait_for(path: &Path) {
+    wait_until(&format!("{}", path.display()), || path.exists());
+}
+
+/// Waits until a program has registered its signal handlers, as the system reports it.
+#[track_caller]
+pub fn wait_for_handlers(child: &Child) {
+    let status = format!("/proc/{}/status", child.id());
+    wait_until("signal handlers", || {
+        let text = fs::read_to_string(&status).unwrap();
+        let caught = text.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        let caught = u64::from_str_radix(caught.unwrap().trim(), 16).unwrap();
+        // The bit of the last one that the program registers, SIGUSR1.
+        caught & 1 << 9 != 0
+    });
 }
 
 /// Sends a signal, such as `TERM`, to a running program.

@@ -5,6 +5,8 @@ use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
+use super::desk::Desk;
+
 /// A timeout that is longer than any response takes, even on a busy machine.
 pub const LONG: Duration = Duration::from_secs(60);
 
@@ -18,15 +20,13 @@ pub struct Served {
 }
 
 impl Served {
-    pub fn new(args: &[&str]) -> Self {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
-        command.arg("replay").args(args);
-        Self::of(command)
+    /// Serves these recordings, with these options.
+    pub fn new(desk: &Desk, line: &str) -> Self {
+        Self::of(desk.command(&format!("replay {line}")))
     }
 
     /// Starts the server with a command.
     pub fn of(mut command: Command) -> Self {
-        command.current_dir(env!("CARGO_MANIFEST_DIR"));
         let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
         let mut reader = BufReader::new(child.stdout.take().unwrap());
         let mut lines = Vec::new();

@@ -2,18 +2,18 @@
 
 use std::path::Path;
 
-use crate::kit::program::expect;
-use tempfile::TempDir;
+use crate::kit::desk::Desk;
+use crate::kit::trial::maze;
 use xcscr::arena::ArenaKind;
 use xcscr::record::RecordMode;
-use xcscr::record::reader::Recording;
 use xcscr::run::{ExternalEpisode, ExternalRecorder};
 use xcscr::trial::Plan;
-use xcscr::world::Maze;
+
+/// The recordings that [`recorded`] makes.
+const FILES: &str = "@run/ep-0001.mcap @run/ep-0002.mcap @run/run.mcap";
 
 fn plan(arena: ArenaKind) -> Plan {
-    let maze = Maze::load(Path::new("worlds/maze4.json")).unwrap();
-    let mut plan = Plan::new(maze).arena(arena).episodes(1);
+    let mut plan = Plan::new(maze("maze4")).arena(arena).episodes(1);
     plan.config.settings.arena.slip = 0.2;
     plan
 }
@@ -27,41 +27,33 @@ fn episode(seed: u64, actions: &[usize]) -> ExternalEpisode {
     }
 }
 
-/// Records two episodes of a scripted agent.
-fn recorded(arena: ArenaKind, mode: RecordMode) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let mut recorder = ExternalRecorder::create(folder.path(), &plan(arena), mode).unwrap();
-    recorder.record(episode(7, &[1, 2, 2, 1, 0, 3])).unwrap();
+fn recorder(folder: &Path, plan: &Plan) -> ExternalRecorder {
+    ExternalRecorder::create(folder, plan, RecordMode::All).unwrap()
+}
+
+/// Records two episodes of a scripted agent into a folder of a desk.
+fn record(desk: &Desk, folder: &str, arena: ArenaKind, first: &[usize]) {
+    let mut recorder = recorder(&desk.path(folder), &plan(arena));
+    recorder.record(episode(7, first)).unwrap();
     recorder.record(episode(8, &[2, 2, 1])).unwrap();
-    let files = recorder.finish().unwrap().files;
-    assert_eq!(files.len(), 3);
-    folder
+    assert_eq!(recorder.finish().unwrap().files.len(), 3);
 }
 
-fn files(folder: &Path) -> Vec<String> {
-    let names = ["ep-0001.mcap", "ep-0002.mcap", "run.mcap"];
-    let path = |name| folder.join(name).to_str().unwrap().to_owned();
-    names.map(path).to_vec()
-}
-
-fn run(code: i32, command: &str, files: &[String]) -> (String, String) {
-    let files = files.iter().map(String::as_str);
-    let args: Vec<&str> = ["recording", command].into_iter().chain(files).collect();
-    expect(code, &args)
+fn recorded(arena: ArenaKind) -> Desk {
+    let desk = Desk::new();
+    record(&desk, "run", arena, &[1, 2, 2, 1, 0, 3]);
+    desk
 }
 
 #[test]
 fn check_and_verify_accept_a_recording_of_an_external_agent_in_both_arenas() {
-    for arena in [ArenaKind::Grid, ArenaKind::Physics] {
-        let folder = recorded(arena, RecordMode::All);
-        let files = files(folder.path());
-        run(0, "check", &files);
-        let (said, _) = run(0, "verify", &files);
-        assert!(
-            said.contains("3 of 3 recordings are bit-identical"),
-            "{said}"
-        );
-        let episode = Recording::open(Path::new(&files[1])).unwrap();
+    for &arena in ArenaKind::ALL {
+        let desk = recorded(arena);
+        desk.ok(&format!("recording check {FILES}"));
+        let said = desk.ok(&format!("recording verify {FILES}"));
+        let words = "3 of 3 recordings are bit-identical";
+        assert!(said.contains(words), "{said}");
+        let episode = desk.recording("run/ep-0002.mcap");
         assert!(episode.is_external() && !episode.is_evaluation());
         assert!(!episode.metadata("run").unwrap().contains_key("episodes"));
     }
@@ -69,12 +61,11 @@ fn check_and_verify_accept_a_recording_of_an_external_agent_in_both_arenas() {
 
 #[test]
 fn an_episode_does_not_depend_on_the_episodes_before_it() {
-    let wanted = |first: Option<ExternalEpisode>, rate: f64| {
+    let end = |first: Option<ExternalEpisode>, rate: f64| {
         let mut plan = plan(ArenaKind::Physics);
         plan.config.settings.physics.lidar.rate_hz = rate;
-        let folder = tempfile::tempdir().unwrap();
-        let mode = RecordMode::All;
-        let mut recorder = ExternalRecorder::create(folder.path(), &plan, mode).unwrap();
+        let desk = Desk::new();
+        let mut recorder = recorder(desk.folder(), &plan);
         if let Some(episode) = first {
             recorder.record(episode).unwrap();
         }
@@ -83,76 +74,61 @@ fn an_episode_does_not_depend_on_the_episodes_before_it() {
     };
     for rate in [5.0, 5.5, 7.3] {
         let before = episode(7, &[1, 1, 2, 1, 0]);
-        assert_eq!(wanted(None, rate), wanted(Some(before), rate), "{rate} Hz");
+        assert_eq!(end(None, rate), end(Some(before), rate), "{rate} Hz");
     }
 }
 
 #[test]
 fn verify_refutes_a_recording_with_the_actions_of_another_one() {
-    let folder = recorded(ArenaKind::Grid, RecordMode::All);
-    let other = tempfile::tempdir().unwrap();
-    let plan = plan(ArenaKind::Grid);
-    let mut recorder = ExternalRecorder::create(other.path(), &plan, RecordMode::All).unwrap();
-    recorder.record(episode(7, &[1, 1, 2, 1, 0, 3])).unwrap();
-    recorder.record(episode(8, &[2, 2, 1])).unwrap();
-    recorder.finish().unwrap();
-    std::fs::copy(
-        other.path().join("run.mcap"),
-        folder.path().join("run.mcap"),
-    )
-    .unwrap();
-    let (said, _) = run(1, "verify", &files(folder.path()));
+    let desk = recorded(ArenaKind::Grid);
+    record(&desk, "other", ArenaKind::Grid, &[1, 1, 2, 1, 0, 3]);
+    std::fs::rename(desk.path("other/run.mcap"), desk.path("run/run.mcap")).unwrap();
+    let (said, _) = desk.run(1, &format!("recording verify {FILES}"));
     assert!(said.contains("ep-0001.mcap"), "{said}");
 }
 
 #[test]
 fn a_recording_without_a_policy_gives_no_rules_and_no_highlights() {
-    let folder = recorded(ArenaKind::Grid, RecordMode::All);
-    let run = folder.path().join("run.mcap");
-    let run = run.to_str().unwrap();
-    for args in [["rules", "list", run], ["recording", "ros", run]] {
-        let output = crate::kit::program::outcome(&args);
-        assert_ne!(output.0, Some(0), "{args:?}");
-        assert!(!output.2.contains("panicked"), "{}", output.2);
+    let desk = recorded(ArenaKind::Grid);
+    for (line, words) in [
+        ("rules list @run/run.mcap", ""),
+        ("recording ros @run/run.mcap", ""),
+        (
+            "recording highlights @run/run.mcap -o @highlights.mcap",
+            "external agent",
+        ),
+    ] {
+        let code = desk.output(line).status.code().unwrap();
+        assert_ne!(code, 0, "{line}");
+        desk.fails(code, line, words);
     }
-    let out = folder.path().join("highlights.mcap");
-    let args = ["recording", "highlights", run, "-o", out.to_str().unwrap()];
-    let (_, _, said) = crate::kit::program::outcome(&args);
-    assert!(said.contains("external agent"), "{said}");
 }
 
 #[test]
 fn impossible_episodes_and_folders_with_files_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
+    let desk = Desk::new();
     let plan = plan(ArenaKind::Grid);
-    let mut recorder = ExternalRecorder::create(folder.path(), &plan, RecordMode::All).unwrap();
-    let refused = [
-        ExternalEpisode {
-            start: (0, 0),
-            ..episode(1, &[1])
-        },
-        ExternalEpisode {
-            rewards: vec![f64::NAN],
-            ..episode(1, &[1])
-        },
-        ExternalEpisode {
-            rewards: Vec::new(),
-            ..episode(1, &[1])
-        },
+    let mut recorder = recorder(desk.folder(), &plan);
+    let in_a_wall = ExternalEpisode {
+        start: (0, 0),
+        ..episode(1, &[1])
+    };
+    let rewarded = |rewards| ExternalEpisode {
+        rewards,
+        ..episode(1, &[1])
+    };
+    for episode in [
+        in_a_wall,
+        rewarded(vec![f64::NAN]),
+        rewarded(Vec::new()),
         episode(1, &[4]),
         episode(1, &[]),
-    ];
-    for episode in refused {
+    ] {
         let fault = recorder.record(episode).unwrap_err().to_string();
         assert!(fault.contains("episode 1: "), "{fault}");
     }
     drop(recorder);
-    let again = ExternalRecorder::create(folder.path(), &plan, RecordMode::All);
-    assert!(
-        again
-            .err()
-            .unwrap()
-            .to_string()
-            .contains("the folder contains files")
-    );
+    let again = ExternalRecorder::create(desk.folder(), &plan, RecordMode::All);
+    let fault = again.err().unwrap().to_string();
+    assert!(fault.contains("the folder contains files"), "{fault}");
 }

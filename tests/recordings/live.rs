@@ -5,19 +5,19 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::Child;
-use std::time::Duration;
 
+use crate::PHYSICS;
+use crate::kit::desk::Desk;
 use crate::kit::folder::assert_same;
-use crate::kit::program::{expect, signal, spawn, wait_until};
+use crate::kit::messages::{Raw, raw};
+use crate::kit::program::{signal, wait_until};
+use crate::kit::served::LONG;
 use serde_json::{Value, json};
 use xcscr::record::reader::Recording;
 
 const SAMPLE: &str = "recordings/sample-maze4.mcap";
-/// Longer than anything takes here, even on a busy machine.
-const LONG: Duration = Duration::from_secs(60);
-
-/// Topic, time in nanoseconds, message.
-type Said = (String, u64, Vec<u8>);
+/// A training that would take four days if it was watched to its end.
+const SLOW: &str = "train maze4 --quiet --out @run --speed 0.01";
 
 /// The program with `--live` and any port that is free; killed at the latest when the test ends.
 struct Live {
@@ -26,8 +26,8 @@ struct Live {
 }
 
 impl Live {
-    fn new(args: &[&str]) -> Self {
-        let mut child = spawn(&[args, &["--live", "--port", "0"]].concat());
+    fn new(desk: &Desk, line: &str) -> Self {
+        let mut child = desk.spawn(&format!("{line} --live --port 0"));
         let mut line = String::new();
         let mut stderr = BufReader::new(child.stderr.take().unwrap());
         stderr.read_line(&mut line).unwrap();
@@ -35,6 +35,11 @@ impl Live {
         let address = address.unwrap_or_else(|| panic!("{line}"));
         let port = address.split(':').next().unwrap().parse().unwrap();
         Self { child, port }
+    }
+
+    /// Replays the sample, with these options.
+    fn sample(more: &str) -> Self {
+        Self::new(&Desk::new(), &format!("replay {SAMPLE} {more}"))
     }
 
     fn code(&mut self) -> Option<i32> {
@@ -134,7 +139,7 @@ impl Viewer {
     }
 
     /// The next message that was recorded; `None` at the end.
-    fn next(&mut self) -> Option<Said> {
+    fn next(&mut self) -> Option<Raw> {
         loop {
             let (kind, data) = self.frame()?;
             if kind == 2 && data[0] == 1 {
@@ -146,7 +151,7 @@ impl Viewer {
         }
     }
 
-    fn wait_for(&mut self, topic: &str) -> Said {
+    fn wait_for(&mut self, topic: &str) -> Raw {
         loop {
             let said = self.next().unwrap_or_else(|| panic!("no {topic}"));
             if said.0 == topic {
@@ -156,22 +161,13 @@ impl Viewer {
     }
 }
 
-/// What a file says.
-fn recorded(file: &Path) -> Vec<Said> {
-    let messages = Recording::open(file).unwrap();
-    let messages = messages.messages().map(|message| message.unwrap());
-    messages
-        .map(|m| (m.topic().to_owned(), m.time_ns, m.data))
-        .collect()
-}
-
-fn sample() -> Vec<Said> {
-    recorded(&Path::new(env!("CARGO_MANIFEST_DIR")).join(SAMPLE))
+fn sample() -> Vec<Raw> {
+    raw(&Recording::open(Path::new(SAMPLE)).unwrap())
 }
 
 #[test]
 fn a_replay_streams_what_the_file_says_byte_for_byte_and_ends_when_the_viewer_goes() {
-    let mut live = Live::new(&["replay", SAMPLE, "--speed", "1000"]);
+    let mut live = Live::sample("--speed 1000");
     let mut viewer = Viewer::new(&live, None);
     for (number, wanted) in sample().into_iter().enumerate() {
         let found = viewer.next().unwrap();
@@ -184,7 +180,7 @@ fn a_replay_streams_what_the_file_says_byte_for_byte_and_ends_when_the_viewer_go
 
 #[test]
 fn who_comes_late_still_sees_the_maze_and_the_robot_at_once() {
-    let live = Live::new(&["replay", SAMPLE]);
+    let live = Live::sample("");
     let mut first = Viewer::new(&live, Some("/step"));
     first.wait_for("/step");
     first.wait_for("/step");
@@ -197,39 +193,26 @@ fn who_comes_late_still_sees_the_maze_and_the_robot_at_once() {
 
 #[test]
 fn a_run_that_is_watched_gives_the_same_files_and_the_viewer_sees_them() {
-    let folder = tempfile::tempdir().unwrap();
-    let [plain, watched] = ["plain", "watched"].map(|name| folder.path().join(name));
-    let train = |out| {
-        [
-            "train",
-            "worlds/maze4.json",
-            "--episodes",
-            "2",
-            "--quiet",
-            "--out",
-            out,
-        ]
-    };
-    expect(0, &train(plain.to_str().unwrap()));
-    let args = train(watched.to_str().unwrap());
-    let mut live = Live::new(&[&args[..], &["--speed", "10000"]].concat());
+    let desk = Desk::new();
+    let plain = desk.train("plain", PHYSICS);
+    let line = format!("train {PHYSICS} --quiet --out @watched --speed 10000");
+    let mut live = Live::new(&desk, &line);
     let mut viewer = Viewer::new(&live, None);
-    let seen: Vec<Said> = std::iter::from_fn(|| viewer.next()).collect();
+    let seen: Vec<Raw> = std::iter::from_fn(|| viewer.next()).collect();
     assert_eq!(live.code(), Some(0));
-    assert_same(&watched, &plain, "watched");
-    let files = ["ep-0001.mcap", "ep-0002.mcap"].map(|name| recorded(&plain.join(name)));
-    assert!(seen == files.concat());
+    assert_same(&desk.path("watched"), &plain, "watched");
+    let episodes = (1..=5).map(|number| format!("plain/ep-000{number}.mcap"));
+    let recorded: Vec<Raw> = episodes
+        .flat_map(|file| raw(&desk.recording(&file)))
+        .collect();
+    assert!(seen == recorded);
 }
 
 #[test]
 fn when_the_viewer_goes_training_runs_as_fast_as_it_can() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = folder.path().join("run");
-    let train = ["train", "worlds/maze4.json", "--quiet", "--record", "none"];
-    let out = ["--out", run.to_str().unwrap(), "--speed", "0.01"];
-    let mut live = Live::new(&[&train[..], &out].concat());
+    let desk = Desk::new();
+    let mut live = Live::new(&desk, &format!("{SLOW} --record none"));
     Viewer::new(&live, Some("/tf")).next().unwrap();
-    // Watched to the end it would take four days.
     let ended = || live.child.try_wait().unwrap().is_some();
     wait_until("the end of the training", ended);
     assert_eq!(live.code(), Some(0));
@@ -238,13 +221,11 @@ fn when_the_viewer_goes_training_runs_as_fast_as_it_can() {
 #[cfg(unix)]
 #[test]
 fn ctrl_c_ends_a_replay_that_waits_and_a_training_that_is_watched() {
-    let mut replay = Live::new(&["replay", SAMPLE]);
+    let mut replay = Live::sample("");
     signal(&replay.child, "INT");
     assert_eq!(replay.code(), Some(0));
-    let folder = tempfile::tempdir().unwrap();
-    let run = folder.path().join("run");
-    let train = ["train", "worlds/maze4.json", "--quiet", "--speed", "0.01"];
-    let mut live = Live::new(&[&train[..], &["--out", run.to_str().unwrap()]].concat());
+    let desk = Desk::new();
+    let mut live = Live::new(&desk, SLOW);
     let mut viewer = Viewer::new(&live, None);
     viewer.wait_for("/rule");
     signal(&live.child, "INT");
@@ -253,16 +234,14 @@ fn ctrl_c_ends_a_replay_that_waits_and_a_training_that_is_watched() {
 
 #[test]
 fn a_port_that_is_taken_is_an_error_with_the_way_out() {
-    let live = Live::new(&["replay", SAMPLE]);
-    let port = live.port.to_string();
-    let (_, stderr) = expect(74, &["replay", SAMPLE, "--live", "--port", &port]);
-    assert!(stderr.contains("choose another `--port`"), "{stderr}");
+    let live = Live::sample("");
+    let line = format!("replay {SAMPLE} --live --port {}", live.port);
+    Desk::new().fails(74, &line, "choose another `--port`");
 }
 
 #[test]
 fn only_viewers_that_are_allowed_are_let_in() {
-    let args = ["replay", SAMPLE, "--allow-origin", "https://viewer.example"];
-    let live = Live::new(&args);
+    let live = Live::sample("--allow-origin https://viewer.example");
     let port = live.port;
     let status = |headers: &str| {
         let (line, _) = Viewer::knock(&live, headers);
@@ -288,7 +267,7 @@ fn only_viewers_that_are_allowed_are_let_in() {
 
 #[test]
 fn silent_connections_keep_no_viewer_out() {
-    let live = Live::new(&["replay", SAMPLE]);
+    let live = Live::sample("");
     let connect = || TcpStream::connect(("127.0.0.1", live.port)).unwrap();
     let _silent: Vec<TcpStream> = (0..100).map(|_| connect()).collect();
     let host = format!("Host: 127.0.0.1:{}", live.port);
@@ -299,11 +278,9 @@ fn silent_connections_keep_no_viewer_out() {
 /// Training sends some hundred times what the buffers between the two hold.
 #[test]
 fn a_viewer_that_reads_nothing_slows_no_training_down() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = folder.path().join("run");
-    let train = ["train", "worlds/maze4.json", "--quiet", "--record", "none"];
-    let out = ["--out", run.to_str().unwrap(), "--speed", "10000"];
-    let mut live = Live::new(&[&train[..], &out].concat());
+    let desk = Desk::new();
+    let line = "train maze4 --quiet --record none --out @run --speed 10000";
+    let mut live = Live::new(&desk, line);
     let _deaf = Viewer::new(&live, None);
     assert_eq!(live.code(), Some(0));
 }

@@ -5,20 +5,25 @@
 #[path = "../kit/mod.rs"]
 mod kit;
 
+/// Arguments of `train` for the runs that most tests look at.
+const PHYSICS: &str = "maze4 --episodes 5";
+const BEAMS: &str = "maze4 --episodes 5 --record beams";
+const GRID: &str = "maze4 --arena grid --episodes 12";
+const OTHER: &str = "maze4 --arena grid --episodes 12 --seed 2";
+
 mod checking;
+mod copies;
 mod external;
 mod forged_recordings;
 #[cfg(feature = "live")]
 mod live;
-mod long_highlights;
+mod methods;
 mod page;
 mod recording;
-mod recording_faults;
 mod recovery;
 mod robots;
 mod ros;
-mod schemas;
 mod serving;
-mod size;
 mod highlights;
+mod summaries;
 mod watching;

@@ -2,23 +2,21 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::Value;
 use xcscr::record::player;
 use xcscr::record::reader::Recording;
 
-use crate::kit::program::outcome;
+use crate::GRID;
+use crate::copies::Parts;
+use crate::kit::desk::Desk;
+use crate::kit::messages::{messages, said};
 
 const SAMPLE: &str = "recordings/sample-maze4.mcap";
 
-fn in_repository(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
 fn sample() -> Recording {
-    Recording::open(&in_repository(SAMPLE)).unwrap()
+    Recording::open(Path::new(SAMPLE)).unwrap()
 }
 
 /// The data that a page holds.
@@ -28,34 +26,12 @@ fn data(page: &str) -> Value {
     serde_json::from_str(json).unwrap()
 }
 
-/// Trains for five episodes on the grid into this folder.
-fn train(run: &str) {
-    let command = [
-        "train",
-        "maze4",
-        "--arena",
-        "grid",
-        "--episodes",
-        "5",
-        "--quiet",
-        "--out",
-    ];
-    assert_eq!(outcome(&[&command[..], &[run]].concat()).0, Some(0));
-}
-
-/// The messages of a topic.
-fn said(recording: &Recording, topic: &str) -> Vec<Value> {
-    let messages = recording.messages().map(|message| message.unwrap());
-    let of_topic = messages.filter(|message| message.topic() == topic);
-    of_topic.map(|message| message.json().unwrap()).collect()
-}
-
 /// When the sample changes, make the page anew: `cargo run -- replay recordings/sample-maze4.mcap --html
 /// docs/sample-maze4.html --force`.
 #[test]
 fn the_page_in_the_documentation_is_that_of_the_sample_and_small() {
     let page = player::page(&sample()).unwrap();
-    let kept = fs::read_to_string(in_repository("docs/sample-maze4.html")).unwrap();
+    let kept = fs::read_to_string("docs/sample-maze4.html").unwrap();
     assert!(page == kept, "the page in docs is another one");
     assert!(page.len() < 3_000_000, "{} bytes", page.len());
 }
@@ -67,7 +43,8 @@ fn a_page_has_the_decisions_values_estimates_and_episodes_of_its_recording() {
     let (reasons, steps) = (said(&recording, "/rule"), said(&recording, "/step"));
     let decisions = data["decisions"].as_array().unwrap();
     assert_eq!(decisions.len(), reasons.len());
-    for ((decision, reason), step) in decisions.iter().zip(&reasons).zip(&steps) {
+    let told = reasons.iter().zip(&steps);
+    for (decision, ((_, reason), (_, step))) in decisions.iter().zip(told) {
         for field in ["episode", "step", "rule", "action", "seen"] {
             assert_eq!(decision[field], reason[field], "{field}");
         }
@@ -78,42 +55,31 @@ fn a_page_has_the_decisions_values_estimates_and_episodes_of_its_recording() {
         ("episodes", "/episode"),
         ("contacts", "/contact"),
     ] {
-        assert_eq!(
-            data[list].as_array().unwrap().len(),
-            said(&recording, topic).len(),
-            "{list}"
-        );
+        let length = data[list].as_array().unwrap().len();
+        assert_eq!(length, said(&recording, topic).len(), "{list}");
     }
-    let times = recording.messages().map(|message| message.unwrap().time_ns);
-    let last_s = times.max().unwrap() as f64 / 1e9;
+    let last_ns = messages(&recording).map(|message| message.time_ns).max();
+    let end_s = data["end"].as_f64().unwrap();
     assert!(
-        (data["end"].as_f64().unwrap() - last_s).abs() < 0.01,
-        "{}",
-        data["end"]
+        (end_s - last_ns.unwrap() as f64 / 1e9).abs() < 0.01,
+        "{end_s}"
     );
-    assert_eq!(
-        data["poses"].as_array().unwrap()[0]
-            .as_array()
-            .unwrap()
-            .len(),
-        4
-    );
+    assert_eq!(data["poses"][0].as_array().unwrap().len(), 4);
 }
 
 #[test]
 fn the_page_of_a_whole_run_has_its_steps_and_its_learning_curve() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = folder.path().join("run");
-    let out = run.to_str().unwrap();
-    train(out);
-    let recording = Recording::open(&run.join("run.mcap")).unwrap();
+    let desk = Desk::new();
+    desk.train("run", GRID);
+    let recording = desk.recording("run/run.mcap");
     let data = data(&player::page(&recording).unwrap());
     let steps = said(&recording, "/step").len();
     assert_eq!(data["decisions"].as_array().unwrap().len(), steps);
     assert_eq!(data["poses"].as_array().unwrap().len(), steps);
     let left = data["decisions"][0]["left"].as_f64().unwrap();
     assert!((90.0..100.0).contains(&left), "{left} %");
-    assert_eq!(data["curve"]["episode"], serde_json::json!([1, 2, 3, 4, 5]));
+    let episodes: Vec<u32> = (1..=12).collect();
+    assert_eq!(data["curve"]["episode"], serde_json::json!(episodes));
 }
 
 #[test]
@@ -127,42 +93,20 @@ fn the_page_loads_nothing_and_its_policy_forbids_it() {
 
 const EVIL: &str = "</script><script>alert(1)</script><img src=x onerror=alert(2)>";
 
-/// A recording of nobody's, in which every text is hostile.
+/// The sample with hostile facts, reasons and outcomes.
 fn forged() -> Recording {
-    let mut file = mcap::Writer::new(Cursor::new(Vec::new())).unwrap();
-    let world = br######"{ "rows": ["#####", "#S.G#", "#####"] }"######;
-    let attachment = mcap::Attachment {
-        log_time: 0,
-        create_time: 0,
-        name: "world.json".to_owned(),
-        media_type: "application/json".to_owned(),
-        data: world.into(),
-    };
-    file.attach(&attachment).unwrap();
-    let facts =
-        ["world", "method", "arena", "sensor", "seed"].map(|key| (key.to_owned(), EVIL.to_owned()));
-    let facts = mcap::records::Metadata {
-        name: "run".to_owned(),
-        metadata: facts.into(),
-    };
-    file.write_metadata(&facts).unwrap();
-    for topic in ["/rule", "/episode"] {
-        let channel = file
-            .add_channel(0, topic, "json", &BTreeMap::new())
-            .unwrap();
-        let header = mcap::records::MessageHeader {
-            channel_id: channel,
-            sequence: 0,
-            log_time: 1,
-            publish_time: 1,
-        };
-        let message =
-            serde_json::json!({ "episode": 1, "rule": EVIL, "action": EVIL, "outcome": EVIL });
-        file.write_to_known_channel(&header, message.to_string().as_bytes())
-            .unwrap();
+    let mut parts = Parts::of(&sample());
+    for key in ["world", "method", "arena", "sensor", "seed"] {
+        parts.run.insert(key.to_owned(), EVIL.to_owned());
     }
-    file.finish().unwrap();
-    Recording::from_bytes(Path::new("forged.mcap"), file.into_inner().into_inner()).unwrap()
+    let evil = serde_json::json!({ "episode": 1, "rule": EVIL, "action": EVIL, "outcome": EVIL });
+    for topic in ["/rule", "/episode"] {
+        for message in parts.messages_on(topic) {
+            message.data = evil.to_string().into_bytes();
+        }
+    }
+    let bytes = parts.write(mcap::WriteOptions::new());
+    Recording::from_bytes(Path::new("forged.mcap"), bytes).unwrap()
 }
 
 #[test]
@@ -182,34 +126,18 @@ fn a_text_from_a_recording_cannot_become_script() {
 
 #[test]
 fn the_page_of_a_comparison_holds_the_pages_of_both_runs() {
-    let folder = tempfile::tempdir().unwrap();
-    let [run, both, direct, page] =
-        ["run", "both.mcap", "a.html", "b.html"].map(|name| folder.path().join(name));
-    let [run, both, direct, page] =
-        [&run, &both, &direct, &page].map(|path| path.to_str().unwrap());
-    train(run);
-    assert_eq!(
-        outcome(&["replay", run, run, "--compare", "-o", both]).0,
-        Some(0)
-    );
-    assert_eq!(outcome(&["replay", both, "--html", page]).0, Some(0));
-    assert_eq!(
-        outcome(&["replay", run, run, "--compare", "--html", direct]).0,
-        Some(0)
-    );
-    let text = fs::read_to_string(page).unwrap();
-    assert!(
-        text == fs::read_to_string(direct).unwrap(),
-        "the page depends on how it was asked for"
-    );
-    let (code, _, stderr) = outcome(&["replay", both, "--terminal"]);
-    assert_eq!(code, Some(65), "{stderr}");
-    assert!(
-        stderr.contains("give a recording of one of them"),
-        "{stderr}"
-    );
+    let desk = Desk::new();
+    desk.train("run", GRID);
+    desk.ok("replay @run @run --compare -o @both.mcap");
+    desk.ok("replay @both.mcap --html @page.html");
+    desk.ok("replay @run @run --compare --html @direct.html");
+    let text = desk.text("page.html");
+    let direct = desk.text("direct.html");
+    assert!(text == direct, "the page depends on how it was asked for");
+    let words = "give a recording of one of them";
+    desk.fails(65, "replay @both.mcap --terminal", words);
     let sides: Vec<Value> = text.split(r#"srcdoc=""#).skip(1).map(side).collect();
-    let recording = Recording::open(Path::new(both)).unwrap();
+    let recording = desk.recording("both.mcap");
     assert_eq!(sides.len(), 2);
     for (side, name) in sides.iter().zip(["/a", "/b"]) {
         let rules = said(&recording, &format!("{name}/rule"));
@@ -223,15 +151,14 @@ fn the_page_of_a_comparison_holds_the_pages_of_both_runs() {
 
 #[test]
 fn as_text_a_recording_has_a_frame_for_each_decision() {
-    let (code, stdout, stderr) = outcome(&["replay", SAMPLE, "--terminal"]);
-    assert_eq!(code, Some(0), "{stderr}");
+    let stdout = Desk::new().ok(&format!("replay {SAMPLE} --terminal"));
     let rules = said(&sample(), "/rule");
     let frames: Vec<&str> = stdout
         .split("\n\n")
         .filter(|frame| frame.contains("step"))
         .collect();
     assert_eq!(frames.len(), rules.len());
-    for (frame, rule) in frames.iter().zip(&rules) {
+    for (frame, (_, rule)) in frames.iter().zip(&rules) {
         let [episode, step, action] = ["episode", "step", "action"].map(|key| &rule[key]);
         let action = action.as_str().unwrap();
         let decision = format!("episode {episode}, step {step}: {action}, chosen by");
@@ -279,62 +206,31 @@ fn side(attribute: &str) -> Value {
 
 #[test]
 fn the_page_of_a_study_is_that_of_its_best_trial() {
-    let folder = tempfile::tempdir().unwrap();
-    let [study, run, page, expected] =
-        ["study", "run", "study.html", "run.html"].map(|name| folder.path().join(name));
-    let [study, run, page, expected] =
-        [&study, &run, &page, &expected].map(|path| path.to_str().unwrap());
-    let file = folder.path().join("two.toml");
-    let text = r#"
-        name = "two"
-        worlds = ["maze4"]
-        methods = ["q-learning", "xcscr-plus"]
-        arenas = ["grid"]
-        trials = 2
-        episodes = 5
-        "#;
-    fs::write(&file, text).unwrap();
-    let command = [
-        "study",
-        "run",
-        file.to_str().unwrap(),
-        "--quiet",
-        "--out",
-        study,
-    ];
-    let (code, _, stderr) = outcome(&command);
-    assert_eq!(code, Some(0), "{stderr}");
-    let (code, stdout, stderr) = outcome(&["replay", study, "--html", page]);
-    assert_eq!(code, Some(0), "{stderr}");
+    let desk = Desk::new();
+    let text = "name = \"two\"\nworlds = [\"maze4\"]\nmethods = [\"q-learning\", \"xcscr-plus\"]\n\
+                arenas = [\"grid\"]\ntrials = 2\nepisodes = 5\n";
+    desk.write("two.toml", text);
+    desk.ok("study run @two.toml --quiet --out @study");
+    let stdout = desk.ok("replay @study --html @study.html");
     let (trial, rest) = stdout.split_once(": ").unwrap();
     assert!(rest.starts_with("maze4, xcscr-plus, seed "), "{stdout}");
     // The trials of the table say the same.
-    let trials = fs::read_to_string(Path::new(study).join("trials.csv")).unwrap();
-    let mut rows = csv::Reader::from_reader(trials.as_bytes());
+    let trials = desk.read("study/trials.csv");
+    let mut rows = csv::Reader::from_reader(&trials[..]);
     let rows: Vec<BTreeMap<String, String>> = rows.deserialize().map(Result::unwrap).collect();
-    let steps =
-        |row: &BTreeMap<String, String>| row["first_optimal_env_steps"].parse().unwrap_or(u64::MAX);
-    let best = rows
-        .iter()
-        .enumerate()
-        .min_by_key(|(_, row)| steps(row))
-        .unwrap();
-    assert_eq!(trial, format!("trial {}", best.0));
-    let seed = best.1["seed"].as_str();
-    let options = [
-        "--arena",
-        "grid",
-        "--episodes",
-        "5",
-        "--quiet",
-        "--seed",
-        seed,
-        "--out",
-        run,
-    ];
-    let train = [&["train", "maze4"], &options[..]].concat();
-    assert_eq!(outcome(&train).0, Some(0));
-    assert_eq!(outcome(&["replay", run, "--html", expected]).0, Some(0));
-    let decisions = |page: &str| data(&fs::read_to_string(page).unwrap())["decisions"].clone();
-    assert_eq!(decisions(page), decisions(expected));
+    let steps = |at: &usize| {
+        rows[*at]["first_optimal_env_steps"]
+            .parse()
+            .unwrap_or(u64::MAX)
+    };
+    let best = (0..rows.len()).min_by_key(steps).unwrap();
+    assert_eq!(trial, format!("trial {best}"));
+    let seed = &rows[best]["seed"];
+    desk.train(
+        "run",
+        &format!("maze4 --arena grid --episodes 5 --seed {seed}"),
+    );
+    desk.ok("replay @run --html @run.html");
+    let decisions = |page: &str| data(&desk.text(page))["decisions"].clone();
+    assert_eq!(decisions("study.html"), decisions("run.html"));
 }

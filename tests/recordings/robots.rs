@@ -6,7 +6,8 @@ use foxglove::Decode;
 use foxglove::messages::{FrameTransform, FrameTransforms, LaserScan};
 use xcscr::record::reader::Recording;
 
-use crate::kit::program::expect;
+use crate::kit::desk::Desk;
+use crate::kit::messages::on;
 
 fn time_s(frame: &FrameTransform) -> f64 {
     let stamp = frame.timestamp.unwrap();
@@ -15,35 +16,26 @@ fn time_s(frame: &FrameTransform) -> f64 {
 
 /// The highest speed in `/tf` in m/s, and the shortest and the longest range in `/scan` in metres, in the
 /// recording of an episode.
-fn extremes(path: &std::path::Path) -> (f64, [f64; 2]) {
+fn extremes(recording: &Recording) -> (f64, [f64; 2]) {
     let (mut speed_mps, mut ranges_m) = (0.0_f64, [f64::INFINITY, 0.0]);
     let mut before: Option<FrameTransform> = None;
-    for message in Recording::open(path).unwrap().messages() {
-        let message = message.unwrap();
-        match message.topic() {
-            "/tf" => {
-                let frames = FrameTransforms::decode(message.data.as_slice()).unwrap();
-                for frame in frames.transforms {
-                    if frame.child_frame_id != "robot" {
-                        continue;
-                    }
-                    if let Some(before) = before.replace(frame.clone()) {
-                        let [a, b] = [before, frame];
-                        let seconds = time_s(&b) - time_s(&a);
-                        let [a, b] = [a, b].map(|frame| frame.translation.unwrap());
-                        if seconds > 0.0 {
-                            speed_mps = speed_mps.max((b.x - a.x).hypot(b.y - a.y) / seconds);
-                        }
-                    }
+    for message in on(recording, "/tf") {
+        let frames = FrameTransforms::decode(message.data.as_slice()).unwrap();
+        let robot = |frame: &FrameTransform| frame.child_frame_id == "robot";
+        for frame in frames.transforms.into_iter().filter(robot) {
+            if let Some(before) = before.replace(frame.clone()) {
+                let seconds = time_s(&frame) - time_s(&before);
+                let [a, b] = [before, frame].map(|frame| frame.translation.unwrap());
+                if seconds > 0.0 {
+                    speed_mps = speed_mps.max((b.x - a.x).hypot(b.y - a.y) / seconds);
                 }
             }
-            "/scan" => {
-                let scan = LaserScan::decode(message.data.as_slice()).unwrap();
-                for range in scan.ranges.into_iter().filter(|range| range.is_finite()) {
-                    ranges_m = [ranges_m[0].min(range), ranges_m[1].max(range)];
-                }
-            }
-            _ => {}
+        }
+    }
+    for message in on(recording, "/scan") {
+        let scan = LaserScan::decode(message.data.as_slice()).unwrap();
+        for range in scan.ranges.into_iter().filter(|range| range.is_finite()) {
+            ranges_m = [ranges_m[0].min(range), ranges_m[1].max(range)];
         }
     }
     (speed_mps, ranges_m)
@@ -51,19 +43,13 @@ fn extremes(path: &std::path::Path) -> (f64, [f64; 2]) {
 
 /// The same of an episode of a robot in Maze4 with cells of `cell_size_m`.
 fn recorded(robot: &str, cell_size_m: f64) -> (f64, [f64; 2]) {
-    let folder = tempfile::tempdir().unwrap();
-    let world = folder.path().join("maze4.json");
+    let desk = Desk::new();
     let text = fs::read_to_string("worlds/maze4.json").unwrap();
     let size = format!("\"cell_size_m\": {cell_size_m}");
-    fs::write(&world, text.replace("\"cell_size_m\": 1.0", &size)).unwrap();
-    let run = folder.path().join("run");
-    let [world, out] = [&world, &run].map(|path| path.to_str().unwrap());
-    let train = ["train", world, "--out", out, "--robot", robot];
-    expect(
-        0,
-        &[&train[..], &["--episodes", "1", "--record", "beams"]].concat(),
-    );
-    extremes(&run.join("ep-0001.mcap"))
+    desk.write("maze4.json", text.replace("\"cell_size_m\": 1.0", &size));
+    let train = "train @maze4.json --out @run --episodes 1 --record beams";
+    desk.ok(&format!("{train} --robot {robot}"));
+    extremes(&desk.recording("run/ep-0001.mcap"))
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use mcap::MessageStream;
 use xcscr::run::Source;
 
-use crate::kit::program::{ended, xcscr};
+use crate::PHYSICS;
+use crate::kit::desk::Desk;
 
 /// The fields of a message as CDR lays them out: each at a multiple of its size.
 struct Cdr<'a>(&'a [u8], usize);
@@ -35,22 +36,15 @@ impl Cdr<'_> {
 
 #[test]
 fn a_recording_for_ros_has_its_encoding_and_the_same_bytes_again() {
-    let desk = tempfile::tempdir().unwrap();
-    let at = |name: &str| desk.path().join(name).display().to_string();
-    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
-    let run = at("run");
-    let train = ["train", world, "--episodes", "2", "--out", &run, "--quiet"];
-    ended(&xcscr(&train).output().unwrap(), 0, "train");
-    let (second, bag) = (at("run/ep-0002.mcap"), at("bag.mcap"));
-    let ros = ["recording", "ros", &second, "-o", &bag];
-    ended(&xcscr(&ros).output().unwrap(), 0, "ros");
-    ended(&xcscr(&ros).output().unwrap(), 73, "the file exists");
+    let desk = Desk::new();
+    let run = desk.train("run", PHYSICS);
+    let ros = "recording ros @run/ep-0002.mcap -o @bag.mcap";
+    desk.ok(ros);
+    desk.run(73, ros);
 
-    let bytes = std::fs::read(&bag).unwrap();
-    assert!(
-        bytes == Source::of(second.as_ref()).unwrap().ros_bag().unwrap(),
-        "other bytes"
-    );
+    let bytes = desk.read("bag.mcap");
+    let source = Source::of(&run.join("ep-0002.mcap")).unwrap();
+    assert!(bytes == source.ros_bag().unwrap(), "other bytes");
     let messages: Vec<mcap::Message> = MessageStream::new(&bytes)
         .unwrap()
         .map(Result::unwrap)
@@ -88,18 +82,6 @@ fn a_recording_for_ros_has_its_encoding_and_the_same_bytes_again() {
         );
     }
 
-    let highlights = at("run/highlights.mcap");
-    let refused = [
-        "recording",
-        "ros",
-        &highlights,
-        "-o",
-        &at("highlights.mcap"),
-    ];
-    let (_, stderr) = ended(
-        &xcscr(&refused).output().unwrap(),
-        65,
-        "a highlights recording",
-    );
-    assert!(stderr.contains("give an episode"), "{stderr}");
+    let refused = "recording ros @run/highlights.mcap -o @highlights.mcap";
+    desk.fails(65, refused, "give an episode");
 }

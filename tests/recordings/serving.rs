@@ -4,9 +4,9 @@
 use std::fs;
 use std::io::{Read, Write};
 use std::net::TcpStream;
-use std::path::Path;
 
-use crate::kit::program::{wait_until, xcscr};
+use crate::kit::desk::Desk;
+use crate::kit::program::{wait_for, wait_until};
 use crate::kit::served::Served;
 
 const SAMPLE: &str = "recordings/sample-maze4.mcap";
@@ -15,7 +15,11 @@ const FOXGLOVE: &str = "https://app.foxglove.dev";
 const EVIL: &str = "https://evil.example";
 
 fn sample() -> Vec<u8> {
-    fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join(SAMPLE)).unwrap()
+    fs::read(SAMPLE).unwrap()
+}
+
+fn serve(line: &str) -> Served {
+    Served::new(&Desk::new(), line)
 }
 
 #[track_caller]
@@ -29,7 +33,7 @@ fn assert_serves(server: &Served, when: &str) {
 
 #[test]
 fn only_pages_of_the_viewers_and_of_allowed_origins_are_answered() {
-    let server = Served::new(&[SAMPLE, "--allow-origin", "http://localhost:8080"]);
+    let server = serve(&format!("{SAMPLE} --allow-origin http://localhost:8080"));
     let origin = |origin: &str| format!("Origin: {origin}\r\n");
     for good in [
         FOXGLOVE,
@@ -82,7 +86,7 @@ fn only_pages_of_the_viewers_and_of_allowed_origins_are_answered() {
 
 #[test]
 fn a_name_that_was_made_to_resolve_to_this_machine_is_refused() {
-    let server = Served::new(&[SAMPLE]);
+    let server = serve(SAMPLE);
     let (port, base) = (server.port, &server.base);
     let status =
         |hosts: &str| server.status(format!("GET {base}{FILE} HTTP/1.1\r\n{hosts}\r\n").as_bytes());
@@ -105,7 +109,7 @@ fn a_name_that_was_made_to_resolve_to_this_machine_is_refused() {
 
 #[test]
 fn addresses_cannot_be_guessed() {
-    let (one, two) = (Served::new(&[SAMPLE]), Served::new(&[SAMPLE]));
+    let (one, two) = (serve(SAMPLE), serve(SAMPLE));
     assert_ne!(one.base, two.base);
     for server in [&one, &two] {
         let secret = &server.base[1..];
@@ -128,35 +132,29 @@ fn addresses_cannot_be_guessed() {
 #[cfg(unix)]
 #[test]
 fn a_recording_that_becomes_a_link_while_it_is_served_gives_away_nothing() {
-    let folder = tempfile::tempdir().unwrap();
-    let recording = folder.path().join("sample-maze4.mcap");
-    let (link, secret) = (
-        folder.path().join("link.mcap"),
-        folder.path().join("secret"),
-    );
-    fs::write(&recording, sample()).unwrap();
-    fs::write(&secret, "secret").unwrap();
+    let desk = Desk::new();
+    let (recording, link) = (desk.path("sample-maze4.mcap"), desk.path("link.mcap"));
+    desk.write("sample-maze4.mcap", sample());
+    desk.write("secret", "secret");
     std::os::unix::fs::symlink(&recording, &link).unwrap();
     // A link that the user offers is followed once.
-    for offered in [&recording, &link] {
-        let server = Served::new(&[offered.to_str().unwrap()]);
-        let address = &format!("/1/{}", offered.file_name().unwrap().to_str().unwrap());
-        assert_eq!(server.ask("GET", address, "").1, sample(), "{address}");
+    for offered in ["sample-maze4.mcap", "link.mcap"] {
+        let server = Served::new(&desk, &format!("@{offered}"));
+        let address = format!("/1/{offered}");
+        assert_eq!(server.ask("GET", &address, "").1, sample(), "{address}");
         fs::remove_file(&recording).unwrap();
-        std::os::unix::fs::symlink(&secret, &recording).unwrap();
-        let (head, body) = server.ask("GET", address, "");
-        assert!(
-            head.starts_with("HTTP/1.1 500") && body.is_empty(),
-            "{address}: {head}"
-        );
+        std::os::unix::fs::symlink(desk.path("secret"), &recording).unwrap();
+        let (head, body) = server.ask("GET", &address, "");
+        let is_refused = head.starts_with("HTTP/1.1 500") && body.is_empty();
+        assert!(is_refused, "{address}: {head}");
         fs::remove_file(&recording).unwrap();
-        fs::write(&recording, sample()).unwrap();
+        desk.write("sample-maze4.mcap", sample());
     }
 }
 
 #[test]
 fn requests_beyond_the_bounds_are_refused_and_the_next_one_is_served() {
-    let server = Served::new(&[SAMPLE]);
+    let server = serve(SAMPLE);
     let start = format!(
         "GET {}{FILE} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n",
         server.base, server.port
@@ -190,10 +188,7 @@ fn requests_beyond_the_bounds_are_refused_and_the_next_one_is_served() {
 #[cfg(unix)]
 #[test]
 fn many_silent_or_slow_clients_keep_nobody_out_even_with_64_descriptors() {
-    let mut limited = std::process::Command::new("sh");
-    limited
-        .args(["-c", "ulimit -n 64; exec \"$0\" \"$@\""])
-        .args([env!("CARGO_BIN_EXE_xcscr"), "replay", SAMPLE]);
+    let limited = Desk::new().limited("-n 64", &format!("replay {SAMPLE}"));
     let mut server = Served::of(limited);
     let (base, port) = (&server.base, server.port);
     let silent: Vec<TcpStream> = (0..100).map(|_| server.connect()).collect();
@@ -221,12 +216,12 @@ fn served_within_a_while(server: &Served, when: &str) {
 
 #[test]
 fn a_client_that_reads_slowly_gets_everything_while_others_are_served() {
-    let folder = tempfile::tempdir().unwrap();
-    let large = folder.path().join("large.mcap");
-    fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join(SAMPLE), &large).unwrap();
-    let server = Served::new(&[large.to_str().unwrap()]);
+    let desk = Desk::new();
+    desk.write("large.mcap", sample());
+    let server = Served::new(&desk, "@large.mcap");
     // More than any buffer between the two holds.
-    let grown = fs::OpenOptions::new().write(true).open(&large).unwrap();
+    let mut options = fs::OpenOptions::new();
+    let grown = options.write(true).open(desk.path("large.mcap")).unwrap();
     grown.set_len(64 << 20).unwrap();
     let mut slow = server.connect();
     let (base, port) = (&server.base, server.port);
@@ -243,69 +238,56 @@ fn a_client_that_reads_slowly_gets_everything_while_others_are_served() {
     assert!(first.len() + rest.len() > 64 << 20);
 }
 
-#[test]
-fn what_is_no_origin_is_refused_before_anything_is_served() {
-    for text in ["*", "viewer.example", "https://viewer.example/path"] {
-        let args = ["replay", SAMPLE, "--allow-origin", text];
-        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_xcscr"));
-        let output = command.args(args).output().unwrap();
-        assert_eq!(output.status.code(), Some(2), "{text}");
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(said.contains("such as https://viewer.example"), "{said}");
-    }
-}
-
-/// A program that writes down what it was called with, and then ends with this code.
+/// Writes a program that writes down what it was called with, and then ends with this code.
 #[cfg(unix)]
-fn browser(folder: &Path, name: &str, code: u8) -> std::path::PathBuf {
+fn write_browser(desk: &Desk, name: &str, code: u8) {
     use std::os::unix::fs::PermissionsExt;
-    let (path, told) = (folder.join(name), folder.join(format!("{name}.told")));
-    let script = format!(
-        "#!/bin/sh\necho \"$*\" > {0}.new\nmv {0}.new {0}\nexit {code}\n",
-        told.display()
-    );
-    fs::write(&path, script).unwrap();
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
-    path
+    let told = desk.name(&format!("{name}.told"));
+    let script =
+        format!("#!/bin/sh\necho \"$*\" > {told}.new\nmv {told}.new {told}\nexit {code}\n");
+    desk.write(name, script);
+    fs::set_permissions(desk.path(name), fs::Permissions::from_mode(0o755)).unwrap();
 }
 
 #[cfg(unix)]
 #[test]
 fn the_first_link_is_opened_in_the_browser_that_is_named_or_else_in_that_of_the_system() {
-    let folder = tempfile::tempdir().unwrap();
-    let named = browser(folder.path(), "named", 0);
-    browser(folder.path(), "xdg-open", 0);
-    let path = format!("{}:/usr/bin:/bin", folder.path().display());
-    for (set, told) in [(named.to_str().unwrap(), "named"), ("", "xdg-open")] {
-        let mut command = xcscr(&["replay", SAMPLE, "--open"]);
+    let desk = Desk::new();
+    write_browser(&desk, "named", 0);
+    write_browser(&desk, "xdg-open", 0);
+    let path = format!("{}:/usr/bin:/bin", desk.folder().display());
+    for (set, told) in [
+        (&desk.name("named")[..], "named.told"),
+        ("", "xdg-open.told"),
+    ] {
+        let mut command = desk.command(&format!("replay {SAMPLE} --open"));
         command.env("BROWSER", set).env("PATH", &path);
         let server = Served::of(command);
-        let told = folder.path().join(format!("{told}.told"));
-        wait_until("the link is opened", || told.exists());
-        let first = server
-            .lines
-            .iter()
-            .find_map(|line| line.split_once("https://"));
-        let opened = fs::read_to_string(&told).unwrap();
-        assert_eq!(opened, format!("https://{}", first.unwrap().1));
+        wait_for(&desk.path(told));
+        let mut lines = server.lines.iter();
+        let first = lines.find_map(|line| line.split_once("https://"));
+        let opened = format!("https://{}", first.unwrap().1);
+        assert_eq!(desk.text(told), opened);
     }
 }
 
 #[cfg(unix)]
 #[test]
 fn a_browser_that_is_missing_or_fails_is_named_and_the_links_are_served() {
-    let folder = tempfile::tempdir().unwrap();
-    let failing = browser(folder.path(), "failing", 3);
-    let failing = failing.to_str().unwrap();
-    for (set, why) in [("/no/such", "No such file"), (failing, "exit status: 3")] {
-        let mut command = xcscr(&["replay", SAMPLE, "--open"]);
+    let desk = Desk::new();
+    write_browser(&desk, "failing", 3);
+    let failing = desk.name("failing");
+    for (set, why) in [
+        ("/no/such", "No such file"),
+        (&failing[..], "exit status: 3"),
+    ] {
+        let mut command = desk.command(&format!("replay {SAMPLE} --open"));
         command.env("BROWSER", set);
-        let said = folder.path().join("said");
-        command.stderr(fs::File::create(&said).unwrap());
+        command.stderr(fs::File::create(desk.path("said")).unwrap());
         let server = Served::of(command);
-        let words = || fs::read_to_string(&said).unwrap();
-        wait_until("the fault is told", || words().contains(why));
-        assert!(words().contains(&format!("cannot open a browser with {set}")));
+        wait_until("the fault is told", || desk.text("said").contains(why));
+        let words = format!("cannot open a browser with {set}");
+        assert!(desk.text("said").contains(&words), "{set}");
         assert_serves(&server, set);
     }
 }
