@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, Output};
 use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
@@ -17,13 +17,6 @@ pub fn xcscr(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
     command.current_dir(env!("CARGO_MANIFEST_DIR")).args(args);
     command
-}
-
-/// Starts the program in the background and captures its output.
-pub fn spawn(args: &[&str]) -> Child {
-    let mut command = xcscr(args);
-    command.stdout(Stdio::piped()).stderr(Stdio::piped());
-    command.spawn().unwrap()
 }
 
 /// Returns stdout and stderr of a program that must have ended with this code and without a panic.

@@ -2,227 +2,240 @@
 //! end are refused, within ten times their size and 64 MiB.
 
 use std::fs::{self, File};
+use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use crate::kit::desk::Desk;
 use crate::kit::program::ended;
 use xcscr::record;
 
-/// Runs the program with so much address space, in KiB.
-fn within(kib: u64, args: &[&str]) -> Output {
-    let limits = format!("ulimit -v {kib}; exec \"$0\" \"$@\"");
-    let mut shell = Command::new("sh");
-    shell
-        .args(["-c", &limits])
-        .arg(env!("CARGO_BIN_EXE_xcscr"))
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .args(args);
-    shell.output().unwrap()
-}
-
 /// What the program itself needs, threads and all, in KiB.
 const ITSELF: u64 = 192 << 10;
+/// What a small file may take besides, in KiB.
+const SMALL: u64 = 64 << 10;
+
+/// Runs a command line with so much address space, in KiB.
+fn within(desk: &Desk, kib: u64, line: &str) -> Output {
+    desk.limited(&format!("-v {kib}"), line).output().unwrap()
+}
+
+/// Runs a command line as [`within`] does for a small file. It must end with this code and these words.
+#[track_caller]
+fn small(desk: &Desk, code: i32, line: &str, words: &str) {
+    let (stdout, stderr) = ended(&within(desk, ITSELF + SMALL, line), code, line);
+    let said = stdout + &stderr;
+    assert!(said.contains(words), "{line}: {said}");
+}
+
+/// Every command that reads a file.
+const READERS: [&str; 10] = [
+    "recording check FILE",
+    "recording info FILE",
+    "recording recover FILE -o @out",
+    "map FILE -o @out.svg",
+    "evaluate FILE --world worlds/maze4.json",
+    "world info FILE",
+    "train FILE --out @out",
+    "train maze4 --config FILE --out @out",
+    "train maze4 --init-rules FILE --out @out",
+    "study run FILE --out @out",
+];
+/// Commands that read files of a folder `run`.
+const READERS_OF_A_RUN: [&str; 2] = ["train --resume @run", "study status @run"];
+
+/// The command lines that read this file.
+fn readers(file: &str) -> impl Iterator<Item = String> {
+    READERS
+        .into_iter()
+        .map(move |line| line.replace("FILE", file))
+}
 
 #[test]
 fn three_gigabytes_of_nothing_take_no_memory() {
-    let folder = tempfile::tempdir().unwrap();
-    let hole = folder.path().join("hole.mcap");
+    let desk = Desk::new();
+    let hole = desk.path("hole.mcap");
     File::create(&hole).unwrap().set_len(3 << 30).unwrap();
-    let run = folder.path().join("run");
-    fs::create_dir(&run).unwrap();
-    fs::copy("worlds/maze4.json", run.join("world.json")).unwrap();
+    desk.write("run/world.json", fs::read("worlds/maze4.json").unwrap());
     for name in ["config.json", "rules.json", "checkpoint", "plan.json"] {
-        fs::hard_link(&hole, run.join(name)).unwrap();
+        fs::hard_link(&hole, desk.path("run").join(name)).unwrap();
     }
-    let (hole, run) = (hole.to_str().unwrap(), run.to_str().unwrap());
-    let (out, world) = (folder.path().join("out"), "worlds/maze4.json");
-    let out = out.to_str().unwrap();
-    for args in [
-        &["recording", "check", hole][..],
-        &["recording", "info", hole],
-        &["recording", "recover", hole, "-o", out],
-        &["evaluate", hole, "--world", world],
-        &["evaluate", run],
-        &["train", hole],
-        &["train", world, "--config", hole, "--out", out],
-        &["train", world, "--init-rules", hole, "--out", out],
-        &["train", world, "--init-rules", run, "--out", out],
-        &["train", "--resume", run],
-        &["study", "status", run],
-        &["study", "run", hole, "--out", out],
-    ] {
-        let output = within(ITSELF + (64 << 10), args);
+    let of_a_run = READERS_OF_A_RUN.iter().map(|&line| line.to_owned());
+    for line in readers("@hole.mcap").chain(of_a_run) {
+        let output = within(&desk, ITSELF + SMALL, &line);
         let code = output.status.code().unwrap_or(-1);
-        assert!([65, 74].contains(&code), "{args:?}: {output:?}");
-        let (_, stderr) = ended(&output, code, &format!("{args:?}"));
-        assert!(stderr.contains("larger than"), "{args:?}: {stderr}");
+        assert!([65, 74].contains(&code), "{line}: {output:?}");
+        let (_, stderr) = ended(&output, code, &line);
+        assert!(stderr.contains("larger than"), "{line}: {stderr}");
     }
 }
 
 #[test]
 fn pipes_and_devices_are_refused_at_once() {
-    let folder = tempfile::tempdir().unwrap();
-    let pipe = folder.path().join("pipe");
-    let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
-    assert!(made.success());
-    let out = folder.path().join("out");
-    let (out, world) = (out.to_str().unwrap(), "worlds/maze4.json");
-    let picture = format!("{out}.svg");
-    for input in [pipe.to_str().unwrap(), "/dev/zero"] {
-        for args in [
-            &["recording", "check", input][..],
-            &["recording", "info", input],
-            &["recording", "recover", input, "-o", out],
-            &["map", input, "-o", &picture],
-            &["evaluate", input, "--world", world],
-            &["world", "info", input],
-            &["train", input, "--out", out],
-            &["train", world, "--config", input, "--out", out],
-            &["train", world, "--init-rules", input, "--out", out],
-            &["study", "run", input, "--out", out],
-        ] {
-            // Nobody writes into the pipe: who opens it waits for ever.
-            let limited = [&["timeout", "20"][..], &[env!("CARGO_BIN_EXE_xcscr")], args].concat();
-            let mut command = Command::new(limited[0]);
-            command
-                .args(&limited[1..])
-                .current_dir(env!("CARGO_MANIFEST_DIR"));
-            let output = command.output().unwrap();
-            let (_, stderr) = ended(&output, 74, &format!("{args:?}"));
-            assert!(stderr.contains("not a regular file"), "{args:?}: {stderr}");
+    let desk = Desk::new();
+    let made = Command::new("mkfifo").arg(desk.path("pipe")).status();
+    assert!(made.unwrap().success());
+    fs::create_dir(desk.path("run")).unwrap();
+    for file in ["checkpoint", "plan.json"] {
+        symlink("/dev/zero", desk.path("run").join(file)).unwrap();
+    }
+    let of_a_run = READERS_OF_A_RUN.iter().map(|&line| line.to_owned());
+    let lines = readers("@pipe").chain(readers("/dev/zero")).chain(of_a_run);
+    for line in lines {
+        // Nobody writes into the pipe: who opens it waits for ever.
+        let mut command = Command::new("timeout");
+        command.args(["20", env!("CARGO_BIN_EXE_xcscr")]);
+        command.args(desk.args(&line));
+        command.current_dir(env!("CARGO_MANIFEST_DIR"));
+        let (_, stderr) = ended(&command.output().unwrap(), 74, &line);
+        assert!(stderr.contains("not a regular file"), "{line}: {stderr}");
+    }
+}
+
+#[test]
+fn ten_megabytes_of_anything_need_at_most_ten_times_their_size_and_64_mib() {
+    let desk = Desk::new();
+    for (name, piece) in [
+        ("brackets", "["),
+        ("objects", r#"{"rules":"#),
+        ("tables", "a={"),
+        ("keys", "a.b.c=1\n"),
+        ("numbers", "1e308,"),
+        ("rows", r#"{"rows":["","","","#),
+        ("nul", "\0"),
+        ("the beginning of recordings", "\u{89}MCAP0\r\n"),
+    ] {
+        let size = 10 << 20;
+        desk.write("large", piece.repeat(size / piece.len()));
+        for line in readers("@large") {
+            let output = within(&desk, (10 * size as u64 >> 10) + SMALL, &line);
+            let (_, stderr) = ended(&output, 65, &format!("{name}: {line}"));
+            assert!(stderr.len() < 10_000, "{name}: {line}: a long message");
         }
     }
 }
 
-/// A small recording that unpacks to 60 MB in many chunks, of messages without content.
-fn bomb(path: &Path) -> u64 {
-    let options = mcap::WriteOptions::new()
-        .chunk_size(Some(1 << 20))
-        .emit_message_indexes(false);
+#[test]
+fn nonsense_in_place_of_a_file_ends_with_a_code_that_says_so() {
+    let desk = Desk::new();
+    desk.write("nonsense", [0xff, 0, b'\n', b'{'].repeat(1000));
+    desk.write("folder/file", "");
+    let inputs = ["@nonsense", "@folder", "no/such/file"].into_iter();
+    for line in inputs.flat_map(readers) {
+        let output = desk.output(&line);
+        let code = output.status.code().unwrap();
+        assert!([2, 65, 66, 73, 74].contains(&code), "{line}: {code}");
+        ended(&output, code, &line);
+    }
+}
+
+/// Writes a recording of one JSON topic with these messages and their times, in chunks of this size.
+fn write_recording<'a>(
+    path: &Path,
+    topic: &str,
+    chunk_size: u64,
+    messages: impl Iterator<Item = (u64, &'a [u8])>,
+) -> u64 {
+    let options = mcap::WriteOptions::new().chunk_size(Some(chunk_size));
+    let options = options.emit_message_indexes(false);
     let mut writer = options.create(File::create(path).unwrap()).unwrap();
-    let channel = writer.add_channel(0, "/x", "json", &Default::default());
-    let header = mcap::records::MessageHeader {
-        channel_id: channel.unwrap(),
-        sequence: 0,
-        log_time: 0,
-        publish_time: 0,
-    };
-    let messages = 2_000_000;
-    for _ in 0..messages {
-        writer.write_to_known_channel(&header, &[]).unwrap();
+    let channel = writer.add_channel(0, topic, "json", &Default::default());
+    let channel_id = channel.unwrap();
+    for (log_time, data) in messages {
+        let header = mcap::records::MessageHeader {
+            channel_id,
+            sequence: 0,
+            log_time,
+            publish_time: 0,
+        };
+        writer.write_to_known_channel(&header, data).unwrap();
     }
     writer.finish().unwrap();
-    messages
+    fs::metadata(path).unwrap().len()
 }
 
 #[test]
+fn a_small_recording_that_unpacks_to_much_is_refused_before_it_fills_the_memory() {
+    let desk = Desk::new();
+    let zeros = vec![0; 400 << 20];
+    let messages = [(0, &zeros[..])].into_iter();
+    let size = write_recording(&desk.path("bomb.mcap"), "/zeros", 1 << 30, messages);
+    assert!(size < 1 << 20, "{size} bytes");
+    for (code, line) in [
+        (65, "recording check @bomb.mcap"),
+        (65, "recording info @bomb.mcap"),
+        (3, "recording recover @bomb.mcap -o @out.mcap"),
+    ] {
+        ended(&within(&desk, 200 << 10, line), code, line);
+    }
+}
+
+/// A small recording that unpacks to 60 MB in many chunks, of messages without content.
+#[test]
 fn many_chunks_that_unpack_to_much_are_not_unpacked() {
-    let folder = tempfile::tempdir().unwrap();
-    let (path, out) = (
-        folder.path().join("bomb.mcap"),
-        folder.path().join("out.mcap"),
-    );
-    let messages = bomb(&path);
-    let size = fs::metadata(&path).unwrap().len();
+    let desk = Desk::new();
+    let (path, out) = (desk.path("bomb.mcap"), desk.path("out.mcap"));
+    let count = 2_000_000;
+    let messages = (0..count).map(|_| (0, &b""[..]));
+    let size = write_recording(&path, "/x", 1 << 20, messages);
     assert!(size < 100_000, "{size} bytes");
     let findings = record::check(&path).unwrap();
-    assert!(
-        findings[0].what.contains("its chunks unpack to"),
-        "{findings:?}"
-    );
+    let what = &findings[0].what;
+    assert!(what.contains("its chunks unpack to"), "{findings:?}");
     let recovery = record::recover(&path, &out, false).unwrap();
     // What is saved is within the half of what is believed, and what is not is named.
     let most = (200 * size + (16 << 20)) / 2 / 31;
-    assert!(
-        recovery.messages <= most && recovery.messages > 0,
-        "{recovery:?}"
-    );
-    assert!(recovery.messages < messages / 4, "{recovery:?}");
+    assert!((1..=most).contains(&recovery.messages), "{recovery:?}");
+    assert!(recovery.messages < count / 4, "{recovery:?}");
     assert!(recovery.fault.unwrap().contains("unpacks to"));
     assert!(record::check(&out).is_ok());
-    let args = [
-        "recording",
-        "recover",
-        path.to_str().unwrap(),
-        "-o",
-        out.to_str().unwrap(),
-        "--force",
-    ];
-    ended(&within(ITSELF + (64 << 10), &args), 3, "recover");
-}
-
-/// A recording of one message in the words of JSON, of as many bytes as are believed.
-fn long_message(path: &Path) {
-    let options = mcap::WriteOptions::new().chunk_size(Some(1 << 30));
-    let mut writer = options.create(File::create(path).unwrap()).unwrap();
-    let channel = writer.add_channel(0, "/step", "json", &Default::default());
-    let header = mcap::records::MessageHeader {
-        channel_id: channel.unwrap(),
-        sequence: 0,
-        log_time: 0,
-        publish_time: 0,
-    };
-    let numbers = format!("[{}0]", "0,".repeat(7 << 20));
-    writer
-        .write_to_known_channel(&header, numbers.as_bytes())
-        .unwrap();
-    writer.finish().unwrap();
+    small(
+        &desk,
+        3,
+        "recording recover @bomb.mcap -o @out.mcap --force",
+        "",
+    );
 }
 
 /// As a tree, fourteen megabytes of small numbers take four hundred.
 #[test]
 fn a_long_message_is_read_without_being_held_as_a_tree() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("long.mcap");
-    long_message(&path);
-    assert!(fs::metadata(&path).unwrap().len() < 100_000);
-    let (file, out) = (path.to_str().unwrap(), folder.path().join("out.mcap"));
-    for args in [
-        &["recording", "check", file][..],
-        &["recording", "info", file],
-        &["recording", "verify", file],
-        &["recording", "recover", file, "-o", out.to_str().unwrap()],
+    let desk = Desk::new();
+    let numbers = format!("[{}0]", "0,".repeat(7 << 20));
+    let messages = [(0, numbers.as_bytes())].into_iter();
+    let size = write_recording(&desk.path("long.mcap"), "/step", 1 << 30, messages);
+    assert!(size < 100_000, "{size} bytes");
+    for line in [
+        "recording check @long.mcap",
+        "recording info @long.mcap",
+        "recording verify @long.mcap",
+        "recording recover @long.mcap -o @out.mcap",
     ] {
-        let output = within(ITSELF + (64 << 10), args);
+        let output = within(&desk, ITSELF + SMALL, line);
         let code = output.status.code().unwrap_or(-1);
-        assert!([0, 1, 3, 65].contains(&code), "{args:?}: {output:?}");
-        ended(&output, code, &format!("{args:?}"));
+        assert!([0, 1, 3, 65].contains(&code), "{line}: {output:?}");
+        ended(&output, code, line);
     }
 }
 
 /// Messages that are no JSON, each before the one that was written first.
-fn faulty(path: &Path) {
-    let options = mcap::WriteOptions::new().chunk_size(Some(1 << 20));
-    let mut writer = options.create(File::create(path).unwrap()).unwrap();
-    let channel = writer.add_channel(0, "/tf", "json", &Default::default());
-    let channel_id = channel.unwrap();
-    for number in (0..300_000).rev() {
-        let header = mcap::records::MessageHeader {
-            channel_id,
-            sequence: 0,
-            log_time: number,
-            publish_time: 0,
-        };
-        writer.write_to_known_channel(&header, b"{").unwrap();
-    }
-    writer.finish().unwrap();
-}
-
 #[test]
 fn a_file_in_which_everything_is_wrong_is_told_in_a_thousand_lines() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("faulty.mcap");
-    faulty(&path);
+    let desk = Desk::new();
+    let path = desk.path("faulty.mcap");
+    let messages = (0..300_000).rev().map(|time_ns| (time_ns, &b"{"[..]));
+    write_recording(&path, "/tf", 1 << 20, messages);
     let findings = record::check(&path).unwrap();
     assert!(findings.len() < 1_100, "{} findings", findings.len());
-    let told = |words: &str| findings.iter().any(|one| one.what.contains(words));
-    assert!(told("does not match its schema") && told("comes after"));
-    assert!(told("more faults than these"));
-    let output = within(
-        ITSELF + (64 << 10),
-        &["recording", "check", path.to_str().unwrap()],
-    );
-    ended(&output, 65, "check");
+    for words in [
+        "does not match its schema",
+        "comes after",
+        "more faults than these",
+    ] {
+        let told = findings.iter().any(|one| one.what.contains(words));
+        assert!(told, "{words}");
+    }
+    small(&desk, 65, "recording check @faulty.mcap", "");
 }
 
 /// Pixels of one grey, packed a thousand times smaller.
@@ -239,72 +252,42 @@ fn picture(path: &Path, side: u32) -> u64 {
 
 #[test]
 fn a_picture_is_read_up_to_64_million_pixels_within_14_bytes_for_each() {
-    let folder = tempfile::tempdir().unwrap();
-    let (map, out) = (folder.path().join("m.yaml"), folder.path().join("w.json"));
+    let desk = Desk::new();
     let header = "image: m.png\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\n\
                   occupied_thresh: 0.65\nfree_thresh: 0.196\n";
-    fs::write(&map, header).unwrap();
-    let files = ["world", "convert", map.to_str().unwrap()];
-    let goal = [
-        "-o",
-        out.to_str().unwrap(),
-        "--cell",
-        "4",
-        "--goal",
-        "20,20",
-    ];
-    let args = [&files[..], &goal].concat();
-    let size = picture(&folder.path().join("m.png"), 8192);
+    desk.write("m.yaml", header);
+    let line = "world convert @m.yaml -o @w.json --cell 4 --goal 20,20";
+    let size = picture(&desk.path("m.png"), 8192);
     assert!(size < 100_000, "{size} bytes");
-    let (_, stderr) = ended(&within(ITSELF + (64 << 10), &args), 65, "convert");
-    assert!(
-        stderr.contains("8192 x 8192 pixels are more than 64000000"),
-        "{stderr}"
-    );
+    small(&desk, 65, line, "8192 x 8192 pixels are more than 64000000");
     // A map of 200 m at 5 cm, packed a thousand times smaller.
-    picture(&folder.path().join("m.png"), 4096);
+    picture(&desk.path("m.png"), 4096);
     let room = (14 << 24) >> 10;
-    ended(&within(ITSELF + room, &args), 0, "convert");
+    ended(&within(&desk, ITSELF + room, line), 0, line);
 }
 
 #[test]
 fn a_study_that_names_much_is_refused_before_it_is_made() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("s.toml");
-    let out = folder.path().join("out");
-    let study = |worlds: &str, more: &str| {
+    let desk = Desk::new();
+    let study = |worlds: &[String], more: &str| {
         format!(
-            "name = \"s\"\nworlds = [{worlds}]\nmethods = [\"xcs\"]\ntrials = 1\n\
+            "name = \"s\"\nworlds = {worlds:?}\nmethods = [\"xcs\"]\ntrials = 1\n\
              episodes = 1\n{more}"
         )
     };
-    let many = |count: usize, name: &dyn Fn(usize) -> String| {
-        let names = (0..count).map(|number| format!("{:?}", name(number)));
-        names.collect::<Vec<String>>().join(",")
+    let named = |count: usize, size: usize| -> Vec<String> {
+        (0..count).map(|n| format!("dfs-{size}-{n}")).collect()
     };
-    let rates: Vec<String> = (1..=2_501)
-        .map(|n| format!("{}", f64::from(n) / 1e4))
-        .collect();
-    let sweep = format!("[sweep]\n\"xcs.beta\" = [{}]\n", rates.join(","));
+    let rates: Vec<f64> = (1..=2_501).map(|n| f64::from(n) / 1e4).collect();
+    let sweep = format!("[sweep]\n\"xcs.beta\" = {rates:?}\n");
     for (text, words) in [
-        (
-            study(&many(5, &|n| format!("dfs-1024-{n}")), ""),
-            "cells of all generated worlds",
-        ),
-        (study(&many(1_001, &|n| format!("dfs-5-{n}")), ""), "worlds"),
-        (study("\"maze4\"", &sweep), "2501 combinations"),
+        (study(&named(5, 1024), ""), "cells of all generated worlds"),
+        (study(&named(1_001, 5), ""), "worlds"),
+        (study(&["maze4".to_owned()], &sweep), "2501 combinations"),
     ] {
-        fs::write(&file, text).unwrap();
-        let args = [
-            "study",
-            "run",
-            file.to_str().unwrap(),
-            "--out",
-            out.to_str().unwrap(),
-        ];
-        let (_, stderr) = ended(&within(ITSELF + (64 << 10), &args), 65, words);
-        assert!(stderr.contains(words), "{words}: {stderr}");
-        assert!(!out.exists(), "{words}: a folder was made");
+        desk.write("s.toml", text);
+        small(&desk, 65, "study run @s.toml --out @out", words);
+        assert!(!desk.path("out").exists(), "{words}: a folder was made");
     }
 }
 
@@ -312,30 +295,25 @@ fn a_study_that_names_much_is_refused_before_it_is_made() {
 /// there is more than can be weighed.
 #[test]
 fn bounds_of_a_world_without_landmarks_are_unknown_and_take_no_memory() {
-    let folder = tempfile::tempdir().unwrap();
-    let (world, out) = (folder.path().join("w.json"), folder.path().join("out"));
-    let (world, out) = (world.to_str().unwrap(), out.to_str().unwrap());
+    let desk = Desk::new();
     for side in [10, 100] {
         let mut rows = vec![".".repeat(side); side];
         rows[side / 2].replace_range(..1, "G");
-        fs::write(world, format!(r#"{{"wrap": true, "rows": {rows:?}}}"#)).unwrap();
-        let args = ["world", "info", world, "--bounds"];
-        let (stdout, _) = ended(&within(ITSELF + (64 << 10), &args), 0, "info");
-        assert!(stdout.contains("belief      unknown"), "{side}: {stdout}");
+        desk.write("w.json", format!(r#"{{"wrap": true, "rows": {rows:?}}}"#));
+        small(
+            &desk,
+            0,
+            "world info @w.json --bounds",
+            "belief      unknown",
+        );
     }
-    let args = [
-        &["train", world, "--arena", "grid", "--method", "xcscr-plus"][..],
-        &[
-            "--set",
-            "reward.step_threshold=50",
-            "--episodes",
-            "1",
-            "--out",
-            out,
-        ],
-    ]
-    .concat();
-    ended(&within(ITSELF + (64 << 10), &args), 0, "train");
+    let train = "train @w.json --arena grid --episodes 1 --out @out";
+    small(
+        &desk,
+        0,
+        &format!("{train} --set reward.step_threshold=50"),
+        "",
+    );
 }
 
 /// What a world of 1024 x 1024 cells and all that is made of it may take. The largest has sixteen times
@@ -344,127 +322,71 @@ const LARGEST: u64 = 100 << 10;
 
 #[test]
 fn a_world_of_a_million_cells_is_trained_in_within_100_megabytes_and_too_large_a_one_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let (world, out) = (folder.path().join("w.json"), folder.path().join("out"));
-    let (world, out) = (world.to_str().unwrap(), out.to_str().unwrap());
-    let hall = |side: usize| {
-        let mut rows = vec![format!("#{}#", ".".repeat(side - 2)); side];
-        rows[0] = "#".repeat(side);
-        rows[side - 1] = rows[0].clone();
-        rows[1].replace_range(1..2, "S");
-        rows[side - 2].replace_range(side - 2..side - 1, "G");
-        fs::write(world, format!(r#"{{"rows": {rows:?}}}"#)).unwrap();
-    };
-    hall(1024);
-    let args = [
-        &[
-            "train",
-            world,
-            "--arena",
-            "grid",
-            "--episodes",
-            "1",
-            "--quiet",
-        ][..],
-        &["--set", "reward.step_threshold=100", "--out", out],
-    ]
-    .concat();
-    let (_, stderr) = ended(&within(ITSELF + LARGEST, &args), 0, "train");
-    assert!(
-        stderr.contains("the longest shortest path has 2042"),
-        "{stderr}"
+    let desk = Desk::new();
+    let side = 1024;
+    let mut rows = vec![format!("#{}#", ".".repeat(side - 2)); side];
+    rows[0] = "#".repeat(side);
+    rows[side - 1] = rows[0].clone();
+    rows[1].replace_range(1..2, "S");
+    rows[side - 2].replace_range(side - 2..side - 1, "G");
+    desk.write("w.json", format!(r#"{{"rows": {rows:?}}}"#));
+    desk.write(
+        "tall.json",
+        format!(r#"{{"rows": {:?}}}"#, vec!["###"; 4097]),
     );
-    // With as many steps as the maze asks for.
-    let all = [&args[..args.len() - 4], &["--out", out, "--force"]].concat();
-    ended(&within(ITSELF + LARGEST, &all), 0, "train");
-    let highlights = folder.path().join("highlights.mcap");
-    let told = [
-        "recording",
-        "highlights",
-        out,
-        "-o",
-        highlights.to_str().unwrap(),
-    ];
-    let (_, stderr) = ended(
-        &within(ITSELF + LARGEST, &told),
-        65,
-        "a highlights recording",
-    );
-    assert!(
-        stderr.contains("too many cells for a highlights recording"),
-        "{stderr}"
-    );
-    fs::write(world, format!(r#"{{"rows": {:?}}}"#, vec!["###"; 4097])).unwrap();
-    let (_, stderr) = ended(
-        &within(ITSELF + LARGEST, &["world", "info", world]),
-        65,
-        "info",
-    );
-    assert!(
-        stderr.contains("at most 4096 columns and 4096 rows"),
-        "{stderr}"
-    );
+    let train = "train @w.json --arena grid --episodes 1 --quiet --force --out @out";
+    let few = format!("{train} --set reward.step_threshold=100");
+    for (code, line, words) in [
+        (0, &few[..], "the longest shortest path has 2042"),
+        // With as many steps as the maze asks for.
+        (0, train, ""),
+        (
+            65,
+            "recording highlights @out -o @highlights.mcap",
+            "too many cells for a highlights recording",
+        ),
+        (
+            65,
+            "world info @tall.json",
+            "at most 4096 columns and 4096 rows",
+        ),
+    ] {
+        let (_, stderr) = ended(&within(&desk, ITSELF + LARGEST, line), code, line);
+        assert!(stderr.contains(words), "{line}: {stderr}");
+    }
 }
 
 /// Nothing tells its cells apart, and every episode is short: what is recorded repeats itself.
 #[test]
 fn recordings_of_a_hall_without_landmarks_are_believed() {
-    let folder = tempfile::tempdir().unwrap();
-    let (world, out) = (folder.path().join("w.json"), folder.path().join("out"));
+    let desk = Desk::new();
     let mut rows = vec![".".repeat(32); 32];
     rows[31].replace_range(31.., "G");
-    fs::write(
-        &world,
-        format!(r#"{{"wrap": true, "moves": 8, "rows": {rows:?}}}"#),
-    )
-    .unwrap();
-    let args = [
-        &[
-            "train",
-            world.to_str().unwrap(),
-            "--out",
-            out.to_str().unwrap(),
-        ][..],
-        &[
-            "--arena",
-            "grid",
-            "--method",
-            "xcs",
-            "--episodes",
-            "60",
-            "--quiet",
-        ],
-        &["--record", "last", "--set", "reward.step_threshold=1"],
-    ]
-    .concat();
-    ended(&within(ITSELF + (256 << 10), &args), 0, "train");
-    assert_eq!(record::check(&out.join("run.mcap")).unwrap(), []);
+    let world = format!(r#"{{"wrap": true, "moves": 8, "rows": {rows:?}}}"#);
+    desk.write("w.json", world);
+    let line = "train @w.json --arena grid --method xcs --episodes 60 --quiet --out @run \
+                --record last --set reward.step_threshold=1";
+    ended(&within(&desk, ITSELF + (256 << 10), line), 0, line);
+    assert_eq!(record::check(&desk.path("run/run.mcap")).unwrap(), []);
 }
 
 #[test]
 fn memory_that_cannot_be_had_ends_in_code_74() {
-    let folder = tempfile::tempdir().unwrap();
-    let (study, out) = (folder.path().join("s.toml"), folder.path().join("out"));
+    let desk = Desk::new();
     let text = "name = \"s\"\nworlds = [\"rooms-100-1\"]\nmethods = [\"dyna-q\"]\n\
                 sensors = [\"position\"]\ntrials = 4\nepisodes = 2\n";
-    fs::write(&study, text).unwrap();
-    let (study, out) = (study.to_str().unwrap(), out.to_str().unwrap());
+    desk.write("s.toml", text);
     let (mut refused, mut enough) = (0, 0);
     // With too little, the program itself cannot be loaded, and the system ends it.
-    let is_loaded = |mib: &u64| within(mib << 10, &["--version"]).status.success();
+    let is_loaded = |mib: &u64| within(&desk, mib << 10, "--version").status.success();
     for mib in (32..160).step_by(16).filter(is_loaded) {
-        let args = [
-            "study", "run", study, "--out", out, "--jobs", "4", "--quiet",
-        ];
-        let output = within(mib << 10, &args);
-        let (code, stderr) = (
-            output.status.code(),
-            String::from_utf8_lossy(&output.stderr),
-        );
-        assert!(matches!(code, Some(0 | 74)), "{mib} MiB: {code:?} {stderr}");
+        let line = "study run @s.toml --out @out --jobs 4 --quiet";
+        let output = within(&desk, mib << 10, line);
+        let code = output.status.code();
+        assert!(matches!(code, Some(0 | 74)), "{mib} MiB: {output:?}");
         refused += usize::from(code == Some(74));
         enough += usize::from(code == Some(0));
-        let _ = fs::remove_dir_all(out);
+        let _ = fs::remove_dir_all(desk.path("out"));
         // What is more than enough shows nothing new.
         if enough == 2 {
             break;

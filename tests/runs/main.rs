@@ -7,17 +7,17 @@ mod kit;
 
 #[cfg(unix)]
 mod budget;
+mod command_line;
+mod config;
+mod disks;
 mod docs;
 mod escapes;
+mod extremes;
 mod faults;
-mod forged;
 mod hostile;
-mod mistakes;
 mod overwriting;
+mod interrupted;
 mod resume;
-mod robots;
 mod robustness;
+mod signals;
 mod train;
-mod unread;
-mod warnings;
-mod wide_percepts;

@@ -1,48 +1,10 @@
 //! `evaluate --robustness` as its users call it.
 
-use std::path::Path;
-
-use crate::kit::program::expect;
+use crate::kit::desk::Desk;
 use serde_json::Value;
 
-/// Trains without recordings.
-#[track_caller]
-fn train_in(world: &str, folder: &Path, more: &[&str]) -> String {
-    let run = folder.join("run").to_str().unwrap().to_owned();
-    let train = ["train", world, "--record", "none", "--out", &run];
-    expect(0, &[&train[..], more].concat());
-    run
-}
-
-/// Trains in Maze4 without recordings.
-#[track_caller]
-fn train(folder: &Path, more: &[&str]) -> String {
-    train_in("worlds/maze4.json", folder, more)
-}
-
-/// A policy by position for an empty hall, learned on the grid: a robot that is mislocalised there
-/// goes mislocalised.
-#[track_caller]
-fn train_for_a_hall(folder: &Path) -> String {
-    let inner = 12;
-    let mut rows = vec![format!("#{}#", ".".repeat(inner)); inner];
-    rows[0].replace_range(1..2, "S");
-    rows[inner - 1].replace_range(inner..=inner, "G");
-    let border = "#".repeat(inner + 2);
-    rows.insert(0, border.clone());
-    rows.push(border);
-    let world = folder.join("hall.json");
-    let text = serde_json::json!({ "rows": rows }).to_string();
-    std::fs::write(&world, text).unwrap();
-    let how = "--arena grid --sensor position --method q-learning --episodes 300";
-    let how: Vec<&str> = how.split(' ').collect();
-    train_in(world.to_str().unwrap(), folder, &how)
-}
-
-#[track_caller]
-fn json(args: &[&str]) -> Value {
-    serde_json::from_str(&expect(0, args).0).unwrap()
-}
+/// A run in Maze4 by a robot that senses.
+const SENSING: &str = "maze4 --record none --episodes 60";
 
 fn names(conditions: &Value) -> Vec<&str> {
     let conditions = conditions.as_array().unwrap().iter();
@@ -63,11 +25,11 @@ fn number(table: &Value, condition: &str, field: &str) -> f64 {
 
 #[test]
 fn a_robot_that_senses_is_driven_under_every_condition_from_the_same_seed() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = train(folder.path(), &["--episodes", "60"]);
-    let sweep = ["evaluate", &run, "--robustness", "--episodes", "40"];
-    let as_json = [&sweep[..], &["--json"]].concat();
-    let table = json(&as_json);
+    let desk = Desk::new();
+    desk.train("run", SENSING);
+    let sweep = "evaluate @run --robustness --episodes 40";
+    let as_json = format!("{sweep} --json");
+    let table = desk.json(&as_json);
     assert_eq!(table["left_out"].as_array().unwrap().len(), 0, "{table}");
     let found = names(&table["conditions"]);
     for wanted in [
@@ -84,24 +46,33 @@ fn a_robot_that_senses_is_driven_under_every_condition_from_the_same_seed() {
     ] {
         assert!(found.contains(&wanted), "{wanted} in {found:?}");
     }
-    // The bytes are the same each time.
-    assert_eq!(expect(0, &as_json), expect(0, &as_json));
-    let (text, _) = expect(0, &sweep);
-    assert!(
-        text.lines().all(|line| line.chars().count() <= 80),
-        "{text}"
-    );
+    assert_eq!(table, desk.json(&as_json), "the same each time");
+    let text = desk.ok(sweep);
+    let widest = text.lines().map(|line| line.chars().count()).max();
+    assert!(widest <= Some(80), "{text}");
     assert_eq!(text.lines().count(), found.len() + 5, "{text}");
 }
 
+/// The policy is by position, for an empty hall, and was learned on the grid: a robot that is
+/// mislocalised there goes mislocalised.
 #[test]
 fn worse_conditions_have_worse_results() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = train_for_a_hall(folder.path());
-    let how = "--robustness --json --episodes 20 --arena physics";
-    let how: Vec<&str> = how.split(' ').collect();
-    let sensing = ["--set", "physics.localisation=estimated"];
-    let table = json(&[&["evaluate", &run][..], &how, &sensing].concat());
+    let desk = Desk::new();
+    let inner = 12;
+    let mut rows = vec![format!("#{}#", ".".repeat(inner)); inner + 2];
+    rows[0] = "#".repeat(inner + 2);
+    rows[inner + 1] = rows[0].clone();
+    rows[1].replace_range(1..2, "S");
+    rows[inner].replace_range(inner..=inner, "G");
+    desk.write("hall.json", serde_json::json!({ "rows": rows }).to_string());
+    desk.ok(
+        "train @hall.json --arena grid --sensor position --method q-learning \
+             --episodes 300 --record none --out @run",
+    );
+    let table = desk.json(
+        "evaluate @run --robustness --json --episodes 20 --arena physics \
+         --set physics.localisation=estimated",
+    );
     let success = |condition| number(&table, condition, "successes");
     assert_eq!(success("noise 0"), 20.0, "{table}");
     assert!(success("noise 5") < 20.0, "{table}");
@@ -124,20 +95,11 @@ fn worse_conditions_have_worse_results() {
 
 #[test]
 fn the_unchanged_row_is_a_plain_evaluation_with_the_same_seed() {
-    let folder = tempfile::tempdir().unwrap();
-    let noisy = ["--episodes", "60", "--set", "physics.noise=2"];
-    let run = train(folder.path(), &noisy);
-    let plain = [
-        "evaluate",
-        &run,
-        "--episodes",
-        "15",
-        "--seed",
-        "9",
-        "--json",
-    ];
-    let evaluation = json(&plain);
-    let table = json(&[&plain[..], &["--robustness"]].concat());
+    let desk = Desk::new();
+    desk.train("run", &format!("{SENSING} --set physics.noise=2"));
+    let plain = "evaluate @run --episodes 15 --seed 9 --json";
+    let evaluation = desk.json(plain);
+    let table = desk.json(&format!("{plain} --robustness"));
     assert_eq!(table["seed"], 9);
     let base = row(&table, "unchanged");
     for field in ["episodes", "successes", "mean_steps"] {
@@ -153,11 +115,10 @@ fn the_unchanged_row_is_a_plain_evaluation_with_the_same_seed() {
 
 #[test]
 fn conditions_that_cannot_apply_are_named_with_the_reason() {
-    let folder = tempfile::tempdir().unwrap();
-    let grid = ["--arena", "grid", "--episodes", "60"];
-    let run = train(folder.path(), &grid);
-    let sweep = ["evaluate", &run, "--robustness", "--episodes", "5"];
-    let on_grid = json(&[&sweep[..], &["--json"]].concat());
+    let desk = Desk::new();
+    desk.train("run", &format!("{SENSING} --arena grid"));
+    let sweep = "evaluate @run --robustness --episodes 5";
+    let on_grid = desk.json(&format!("{sweep} --json"));
     let applied = [
         "unchanged",
         "slip 0.1",
@@ -168,32 +129,19 @@ fn conditions_that_cannot_apply_are_named_with_the_reason() {
     assert_eq!(names(&on_grid["conditions"]), applied);
     assert_eq!(on_grid["left_out"].as_array().unwrap().len(), 12);
     assert!(row(&on_grid, "unchanged")["mislocalised_episodes"].is_null());
-    let (text, _) = expect(0, &sweep);
-    assert!(
-        text.contains("Left out, because the grid has no wheels"),
-        "{text}"
-    );
+    let text = desk.ok(sweep);
+    let words = "Left out, because the grid has no wheels";
+    assert!(text.contains(words), "{text}");
     // Driven by the true pose, the robot has noise and slippery floors, but no sensors.
-    let told = json(&[&sweep[..], &["--json", "--arena", "physics"]].concat());
+    let told = desk.json(&format!("{sweep} --json --arena physics"));
     let left_out = told["left_out"].as_array().unwrap();
     assert_eq!(left_out.len(), 4, "{told}");
-    assert!(
-        left_out
-            .iter()
-            .all(|l| l["reason"] == "the robot has access to its true pose")
-    );
+    let reasons = left_out.iter().map(|one| &one["reason"]);
+    let true_pose = "the robot has access to its true pose";
+    assert!(reasons.into_iter().all(|why| why == true_pose), "{told}");
     assert_eq!(names(&told["conditions"]).len(), 13);
     // A lidar that is not there cannot have a dead sector.
     let blind = "--arena physics --sensor lidar --json --set physics.lidar.fitted=false";
-    let blind: Vec<&str> = blind.split(' ').collect();
-    let blind = json(&[&sweep[..], &blind].concat());
+    let blind = desk.json(&format!("{sweep} {blind}"));
     assert_eq!(names(&blind["left_out"]), ["dead sector 90 deg"]);
-}
-
-#[test]
-fn robustness_is_refused_with_what_belongs_to_one_evaluation() {
-    for other in ["--record", "--require-optimal"] {
-        let (_, stderr) = expect(2, &["evaluate", "run", "--robustness", other]);
-        assert!(stderr.contains("--robustness"), "{stderr}");
-    }
 }
