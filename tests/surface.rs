@@ -103,23 +103,16 @@ fn exported(source: &str) -> String {
 }
 
 #[test]
-fn xcscr_exports_no_other_names() {
-    insta::assert_snapshot!(exported("src"));
-}
-
-#[test]
-fn xcscr_robot_exports_no_other_names() {
-    insta::assert_snapshot!(exported("crates/robot/src"));
-}
-
-#[test]
-fn xcscr_learner_exports_no_other_names() {
-    insta::assert_snapshot!(exported("crates/learner/src"));
-}
-
-#[test]
-fn xcs_exports_no_other_names() {
-    insta::assert_snapshot!(exported("crates/xcs/src"));
+fn the_crates_export_no_other_names() {
+    for (name, source) in [
+        ("xcscr", "src"),
+        ("xcscr_robot", "crates/robot/src"),
+        ("xcscr_learner", "crates/learner/src"),
+        ("xcs", "crates/xcs/src"),
+    ] {
+        let name = format!("{name}_exports_no_other_names");
+        insta::assert_snapshot!(name, exported(source));
+    }
 }
 
 /// What a page does not name at the begin of a row of a table.
