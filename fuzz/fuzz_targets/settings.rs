@@ -4,7 +4,7 @@
 use xcscr::trial::{Resolved, Settings};
 
 libfuzzer_sys::fuzz_target!(|text: &str| {
-    if let Ok(resolved) = Resolved::new(&Settings::default(), Some(("fuzz.toml", text)), &[]) {
+    if let Ok(resolved) = Resolved::new(&Settings::default(), &[("fuzz.toml", text)], &[]) {
         resolved.settings.check().expect("resolved settings are checked");
     }
 });
