@@ -61,7 +61,7 @@ fn recordings() {
          65 recording check @evil.mcap
          65 recording check @evil.mcap --json
          1 recording verify @evil.mcap
-         65 map @evil.mcap -o no/such.svg",
+         65 map @evil.mcap -o @map.svg",
     );
 }
 
