@@ -1,21 +1,17 @@
 //! The bounds of worlds, against brute force and against figures of an earlier computation.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use xcscr::sensor::Sensor;
 use xcscr::trial::Bounds;
 use xcscr::world::{Cell, Maze};
 use xcscr::xcs::{Action, Percept};
 
-fn classic(name: &str) -> Maze {
-    let file = format!("worlds/classic/{name}.json");
-    Maze::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap()
-}
+use crate::kit::trial::maze;
+use crate::worlds::drawn;
 
 fn tiny(moves: u8, rows: &[&str]) -> Maze {
-    let text = format!(r#"{{"moves": {moves}, "rows": {rows:?}}}"#);
-    Maze::from_json(text.as_bytes(), "tiny.json").unwrap()
+    drawn(serde_json::json!({ "moves": moves }), rows)
 }
 
 fn moved(maze: &Maze, cell: Cell, action: Action) -> Cell {
@@ -113,13 +109,9 @@ fn the_bounds_of_tiny_worlds_are_those_of_brute_force() {
         let belief = f64::from(sums.sum::<u32>()) / starts.len() as f64;
         assert_eq!(bounds.belief.unwrap().steps, belief, "{}", maze.to_json());
         let memoryless = bounds.memoryless.unwrap();
-        assert_eq!(memoryless.error, 0.0);
-        assert_eq!(
-            memoryless.steps,
-            brute_memoryless(sensor, maze),
-            "{}",
-            maze.to_json()
-        );
+        let expected = brute_memoryless(sensor, maze);
+        let found = (memoryless.steps, memoryless.error);
+        assert_eq!(found, (expected, 0.0), "{}", maze.to_json());
     }
 }
 
@@ -142,29 +134,25 @@ const TABLE: [(&str, f64, f64, f64); 8] = [
 #[test]
 fn the_bounds_of_classic_mazes_are_those_of_an_earlier_program() {
     for (name, full, belief, memoryless) in TABLE {
-        let maze = classic(name);
+        let maze = maze(&format!("classic/{name}"));
         let found = Bounds::new(&maze, Sensor::Neighbours, 0.0);
-        let near = |found: f64, wanted: f64, digits: f64| (found - wanted).abs() < 0.6 * digits;
-        assert!(near(found.full, full, 0.01), "{name}: {found:?}");
-        assert!(
-            near(found.belief.unwrap().steps, belief, 0.01),
-            "{name}: {found:?}"
-        );
-        assert!(
-            near(found.memoryless.unwrap().steps, memoryless, 0.1),
-            "{name}: {found:?}"
-        );
+        for (found, expected, digits) in [
+            (found.full, full, 0.01),
+            (found.belief.unwrap().steps, belief, 0.01),
+            (found.memoryless.unwrap().steps, memoryless, 0.1),
+        ] {
+            let off = (found - expected).abs();
+            assert!(off < 0.6 * digits, "{name}: {found}, not {expected}");
+        }
     }
 }
 
 #[test]
 fn the_belief_bound_of_slipping_moves_is_an_estimate_with_its_error() {
-    let bounds = Bounds::new(&classic("woods101"), Sensor::Neighbours, SLIP);
+    let bounds = Bounds::new(&maze("classic/woods101"), Sensor::Neighbours, SLIP);
     let belief = bounds.belief.unwrap();
-    assert!(
-        (belief.steps - 4.06).abs() < 0.02 + belief.error,
-        "{belief:?}"
-    );
+    let off = (belief.steps - 4.06).abs();
+    assert!(off < 0.02 + belief.error, "{belief:?}");
     assert!(belief.error > 0.0 && belief.error < 0.12, "{belief:?}");
     // Exact, and as in the earlier computation.
     assert!((bounds.full - 3.72).abs() < 0.006, "{bounds:?}");

@@ -1,10 +1,12 @@
 //! The 29 classic mazes: their size, their shortest ways, and what looks alike in them.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use xcscr::sensor::Sensor;
 use xcscr::world::{Cell, Facts, Maze, Moves, Paths};
+
+use crate::kit::trial::maze as shipped;
+use crate::worlds::{files, root};
 
 /// Name, start cells, steps of the shortest ways from all of them together, and group: computed
 /// by another program (breadth-first search over the rows as text).
@@ -49,13 +51,8 @@ enum Group {
     Three,
 }
 
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/classic")
-}
-
 fn maze(name: &str) -> Maze {
-    let path = folder().join(format!("{name}.json"));
-    Maze::load(&path).unwrap_or_else(|error| panic!("{error}"))
+    shipped(&format!("classic/{name}"))
 }
 
 /// The last group of which a maze has a pair of cells.
@@ -102,26 +99,13 @@ fn every_classic_maze_has_the_figures_of_an_independent_computation() {
 }
 
 #[test]
-fn no_file_of_the_folder_is_without_figures() {
-    let entries = fs::read_dir(folder())
-        .unwrap()
-        .map(|entry| entry.unwrap().path());
-    let worlds = entries.filter(|path| path.extension().is_some_and(|e| e == "json"));
-    assert_eq!(worlds.count(), FIGURES.len());
-}
-
-#[test]
-fn the_readme_lists_every_maze_in_its_group() {
-    let readme = fs::read_to_string(folder().join("README.md")).unwrap();
+fn every_file_of_the_folder_has_figures_and_the_readme_lists_each_in_its_group() {
+    assert_eq!(files("worlds/classic").len(), FIGURES.len());
+    let readme = fs::read_to_string(root().join("worlds/classic/README.md")).unwrap();
     for (name, .., group) in FIGURES {
         let head = ["| not aliased |", "| I |", "| II |", "| III |"][group as usize];
         let row = readme.lines().find(|line| line.starts_with(head)).unwrap();
         assert!(row.contains(&format!("`{name}`")), "{name} is not in {row}");
     }
-}
-
-#[test]
-fn classic_maze4_is_the_maze_that_was_shipped_before() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/maze4-classic.json");
-    assert_eq!(maze("maze4-classic"), Maze::load(&path).unwrap());
+    assert_eq!(maze("maze4-classic"), shipped("maze4-classic"));
 }

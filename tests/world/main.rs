@@ -5,7 +5,6 @@
 #[path = "../kit/mod.rs"]
 mod kit;
 
-mod arena_contract;
 mod batch;
 mod bounds;
 mod classic;

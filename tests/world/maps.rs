@@ -1,7 +1,7 @@
 //! ROS 2 maps become worlds, and worlds maps, as Nav2's map server reads them.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use tempfile::TempDir;
 use xcscr::world::{Gridded, Gridding, MapError, Maze, OccupancyMap};
@@ -27,6 +27,20 @@ impl Map {
         map.keep("map.pgm", &pgm);
         map.yaml("");
         map
+    }
+
+    /// The map of a world.
+    fn of(maze: &Maze) -> Self {
+        let map = Self(tempfile::tempdir().unwrap());
+        let files = maze.to_map("map.pgm");
+        map.keep("map.yaml", files.yaml.as_bytes());
+        map.keep("map.pgm", &files.image);
+        map
+    }
+
+    /// The world that the map holds.
+    fn world(&self) -> Maze {
+        plain().of(&self.load().unwrap()).unwrap().maze
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
@@ -94,29 +108,25 @@ pub fn rows(maze: &Maze) -> Vec<String> {
     rows.map(|row| row.as_str().unwrap().to_owned()).collect()
 }
 
+/// A world of a hundred thousand rewards.
+fn paid() -> Maze {
+    const SIDE: usize = 330;
+    let mut rows = vec![format!("#{}#", "*".repeat(SIDE - 2)); SIDE];
+    (rows[0], rows[SIDE - 1]) = ("#".repeat(SIDE), "#".repeat(SIDE));
+    rows[1].replace_range(1..3, "SG");
+    crate::worlds::drawn(serde_json::json!({ "reward": 1 }), &rows)
+}
+
 #[test]
-fn every_world_that_ships_comes_back_from_its_map_as_it_was() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds");
-    let files = [root.clone(), root.join("classic")]
-        .into_iter()
-        .flat_map(|folder| {
-            let entries = fs::read_dir(folder).unwrap();
-            entries
-                .map(|entry| entry.unwrap().path())
-                .collect::<Vec<_>>()
-        });
-    let worlds: Vec<PathBuf> = files
-        .filter(|file| file.extension().is_some_and(|e| e == "json"))
-        .collect();
+fn every_world_that_ships_and_a_large_one_come_back_from_their_maps_as_they_were() {
+    let mut worlds = crate::worlds::files("worlds");
+    worlds.extend(crate::worlds::files("worlds/classic"));
     assert!(worlds.len() > 30, "{worlds:?}");
-    for world in worlds {
-        let maze = Maze::load(&world).unwrap();
-        let map = Map(tempfile::tempdir().unwrap());
-        let files = maze.to_map("m.pgm");
-        map.keep("map.yaml", files.yaml.as_bytes());
-        map.keep("m.pgm", &files.image);
-        let back = plain().of(&map.load().unwrap()).unwrap();
-        assert_eq!(back.maze, maze, "{}", world.display());
+    let paid = paid();
+    assert!(paid.rewarding_cells().len() > 100_000);
+    let shipped = worlds.iter().map(|world| Maze::load(world).unwrap());
+    for maze in shipped.chain([paid]) {
+        assert_eq!(Map::of(&maze).world(), maze, "{}", maze.name());
     }
 }
 
@@ -128,53 +138,25 @@ fn a_placed_world_goes_to_a_map_and_back_without_a_change() {
         "floor": ["########", "#2.9..1#", "#.3.5..#", "########"], "reward": 0.1
     });
     let maze = Maze::from_json(world.to_string().as_bytes(), "hall.json").unwrap();
-    let map = Map(tempfile::tempdir().unwrap());
-    let files = maze.to_map("m.pgm");
-    map.keep("map.yaml", files.yaml.as_bytes());
-    map.keep("m.pgm", &files.image);
-    let loaded = map.load().unwrap();
-    let back = plain().of(&loaded).unwrap();
-    assert_eq!(back.maze, maze);
-    assert_eq!(back.maze.to_json(), maze.to_json());
+    let map = Map::of(&maze);
+    assert_eq!(map.world(), maze);
+    assert_eq!(map.world().to_json(), maze.to_json());
     // For Nav2 all free cells are free, whatever is in them.
-    let counts = loaded.counts();
-    assert_eq!(
-        counts,
-        [maze.free_cells().count(), 32 - maze.free_cells().count(), 0]
-    );
+    let free = maze.free_cells().count();
+    assert_eq!(map.load().unwrap().counts(), [free, 32 - free, 0]);
     // A pixel that was painted black is a wall, and all else stays.
-    let mut painted = files.image.clone();
+    let mut painted = fs::read(map.path("map.pgm")).unwrap();
     let pixel = painted.len() - 32 + 8 + 2;
     painted[pixel] = 0;
-    map.keep("m.pgm", &painted);
-    let changed = plain().of(&map.load().unwrap()).unwrap().maze;
+    map.keep("map.pgm", &painted);
+    let changed = map.world();
     assert_eq!(rows(&changed)[1], "#S#.*G.#");
     assert_eq!(changed.floor_rows().unwrap()[1], "#2#9..1#");
 }
 
 #[test]
-fn a_map_of_a_hundred_thousand_rewards_comes_back() {
-    const SIDE: usize = 330;
-    let mut rows = vec![format!("#{}#", "*".repeat(SIDE - 2)); SIDE];
-    (rows[0], rows[SIDE - 1]) = ("#".repeat(SIDE), "#".repeat(SIDE));
-    rows[1].replace_range(1..3, "SG");
-    let text = format!(r#"{{ "rows": {rows:?}, "reward": 1 }}"#);
-    let maze = Maze::from_json(text.as_bytes(), "paid.json").unwrap();
-    assert!(maze.rewarding_cells().len() > 100_000);
-    let map = Map(tempfile::tempdir().unwrap());
-    let files = maze.to_map("m.pgm");
-    map.keep("map.yaml", files.yaml.as_bytes());
-    map.keep("m.pgm", &files.image);
-    assert_eq!(plain().of(&map.load().unwrap()).unwrap().maze, maze);
-}
-
-#[test]
 fn what_is_wrong_in_a_header_or_an_image_is_named() {
     let map = Map::drawn(&["   ", "   "]);
-    let fault = |lines: &str| {
-        map.yaml(lines);
-        map.load().unwrap_err().to_string()
-    };
     for (lines, told) in [
         ("resolution: 0", "`resolution` is 0"),
         ("resolution: .nan", "`resolution` is NaN"),
@@ -188,7 +170,8 @@ fn what_is_wrong_in_a_header_or_an_image_is_named() {
         ("image: no.pgm", "no.pgm"),
         ("image: [", "does not describe a map"),
     ] {
-        let text = fault(lines);
+        map.yaml(lines);
+        let text = map.load().unwrap_err().to_string();
         assert!(text.contains(told), "{lines}: {text}");
     }
     map.yaml("");
@@ -208,27 +191,15 @@ fn what_is_wrong_in_a_header_or_an_image_is_named() {
 }
 
 /// What headers of maps and images like to hold in a wrong place.
-const PIECES: [&str; 12] = [
-    "0",
-    "-1",
-    "255",
-    "65536",
-    "99999999999",
-    "1e999",
-    ".nan",
-    "[",
-    ": ",
-    "&a",
-    "*a",
-    "\n",
-];
+const PIECES: &str = "0,-1,255,65536,99999999999,1e999,.nan,[,: ,&a,*a,\n";
 
 fn damaged(whole: &[u8], stream: &mut Stream) -> Vec<u8> {
     let mut bytes = whole.to_vec();
+    let pieces: Vec<&str> = PIECES.split(',').collect();
     for _ in 0..=stream.below(3) {
         let at = stream.below(bytes.len() + 1);
         let to = (at + stream.below(6)).min(bytes.len());
-        let piece = PIECES[stream.below(PIECES.len())].bytes();
+        let piece = pieces[stream.below(pieces.len())].bytes();
         match stream.below(4) {
             0 => drop(bytes.drain(at..to)),
             1 => drop(bytes.splice(at..to, piece)),
@@ -297,7 +268,7 @@ fn damaged_maps_are_read_or_refused_and_never_panic() {
         ("png", "map.pgm", &png),
     ] {
         let mut refused = 0;
-        let times = crate::kit::chance::rounds(10_000, 100_000);
+        let times = crate::kit::chance::rounds(1_000, 100_000);
         for _ in 0..times {
             let forged = match kind {
                 "png" => forged_png(whole, &mut stream),
@@ -323,55 +294,32 @@ fn damaged_maps_are_read_or_refused_and_never_panic() {
 #[test]
 fn convert_reads_a_map_from_anywhere_draws_it_and_overwrites_nothing() {
     let map = Map::drawn(&["??????", "?    ?", "?    ?", "?    ?", "??????"]);
-    let file = |name: &str| map.path(name).display().to_string();
-    let (input, world, picture) = (file("map.yaml"), file("w.json"), file("p.png"));
-    let args = [
-        "world",
-        "convert",
-        &input,
-        "-o",
-        &world,
-        "--cell",
-        "0.1",
-        "--goal",
-        "0.45,0.15",
-        "--preview",
-        &picture,
-    ];
-    let (stdout, _) = ended(&xcscr(&args).output().unwrap(), 0, "convert");
-    assert!(
-        stdout.contains("12 free, 0 occupied, 18 unknown (taken as wall)"),
-        "{stdout}"
-    );
-    ended(
-        &xcscr(&["world", "check", &world]).output().unwrap(),
-        0,
-        "check",
-    );
-    let mut picture = png::Decoder::new(std::io::Cursor::new(fs::read(&picture).unwrap()))
-        .read_info()
-        .unwrap();
+    let ends = |words: &str, code: i32| {
+        let mut command = xcscr(&["world"]);
+        let command = command.current_dir(map.path("")).args(words.split(' '));
+        ended(&command.output().unwrap(), code, words)
+    };
+    let convert = "convert map.yaml -o w.json --cell 0.1 --goal";
+    let drawn = format!("{convert} 0.45,0.15 --preview p.png");
+    let (stdout, _) = ends(&drawn, 0);
+    let counts = "12 free, 0 occupied, 18 unknown (taken as wall)";
+    assert!(stdout.contains(counts), "{stdout}");
+    ends("check w.json", 0);
+    let picture = std::io::Cursor::new(fs::read(map.path("p.png")).unwrap());
+    let mut picture = png::Decoder::new(picture).read_info().unwrap();
     let mut samples = vec![0; picture.output_buffer_size().unwrap()];
     picture.next_frame(&mut samples).unwrap();
     let has = |colour: [u8; 3]| samples.chunks_exact(3).any(|pixel| pixel == colour);
     assert!(has([255, 127, 14]), "the robot is drawn");
-    ended(&xcscr(&args).output().unwrap(), 73, "the files exist");
-    let free = [&args[..9], &["--unknown", "free", "--force"]].concat();
-    let (stdout, _) = ended(&xcscr(&free).output().unwrap(), 0, "unknown taken as free");
-    assert!(
-        stdout.contains("8 x 7 cells") && stdout.contains("30 free"),
-        "{stdout}"
-    );
-    let wall = [&args[..8], &["0.05,0.05", "--force"]].concat();
-    let (_, stderr) = ended(&xcscr(&wall).output().unwrap(), 2, "a goal in a wall");
-    assert!(
-        stderr.contains("the nearest free cell is at 0.15,0.15"),
-        "{stderr}"
-    );
-    let back = ["world", "convert", &world, "-o", &file("back.yaml")];
-    ended(&xcscr(&back).output().unwrap(), 0, "a world as a map");
+    ends(&drawn, 73);
+    let (stdout, _) = ends(&format!("{convert} 0.45,0.15 --unknown free --force"), 0);
+    let is_free = stdout.contains("8 x 7 cells") && stdout.contains("30 free");
+    assert!(is_free, "{stdout}");
+    let (_, stderr) = ends(&format!("{convert} 0.05,0.05 --force"), 2);
+    let nearest = "the nearest free cell is at 0.15,0.15";
+    assert!(stderr.contains(nearest), "a goal in a wall: {stderr}");
+    ends("convert w.json -o back.yaml", 0);
     assert!(map.path("back.pgm").is_file());
-    let celled = [&back[..], &["--force", "--cell", "0.5"]].concat();
-    let (_, stderr) = ended(&xcscr(&celled).output().unwrap(), 2, "a world with --cell");
+    let (_, stderr) = ends("convert w.json -o back.yaml --force --cell 0.5", 2);
     assert!(stderr.contains("--cell is for maps"), "{stderr}");
 }

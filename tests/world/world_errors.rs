@@ -12,15 +12,33 @@ use xcscr::world::{Maze, WorldError};
 type Case = (&'static str, Vec<u8>);
 
 /// A world of these rows, each on its own line.
-fn rows(rows: &[&str]) -> Vec<u8> {
-    let rows: Vec<String> = rows.iter().map(|row| format!("    \"{row}\"")).collect();
+fn rows(rows: &str) -> Vec<u8> {
+    let rows: Vec<String> = rows
+        .split(' ')
+        .map(|row| format!("    \"{row}\""))
+        .collect();
     format!("{{\n  \"rows\": [\n{}\n  ]\n}}\n", rows.join(",\n")).into_bytes()
 }
 
 /// A small world without fault, but for a line before its rows.
 fn with(line: &str) -> Vec<u8> {
-    let sound = String::from_utf8(rows(&["####", "#SG#", "####"])).unwrap();
+    let sound = String::from_utf8(rows("#### #SG# ####")).unwrap();
     sound.replacen("{\n", &format!("{{\n  {line},\n"), 1).into()
+}
+
+/// The cases of a table, one a line: a fault, and a whole file, a line of one, or its rows. `\n` breaks lines.
+fn cases(table: &'static str) -> Vec<Case> {
+    let case = |line: &'static str| {
+        let (fault, text) = line.split_once(": ").unwrap();
+        let text = text.replace(r"\n", "\n");
+        let file = match text.as_bytes()[0] {
+            b'{' => format!("{text}\n").into_bytes(),
+            b'"' => with(&text),
+            _ => rows(&text),
+        };
+        (fault, file)
+    };
+    table.trim().lines().map(case).collect()
 }
 
 /// What the library says about a file; panics unless it refuses it, and says where.
@@ -49,144 +67,113 @@ fn refusals(cases: &[Case]) -> String {
 
 #[test]
 fn rows_that_make_no_maze_are_refused_at_the_cell() {
-    let cases = [
-        ("ragged rows", rows(&["####", "#SG#", "###"])),
-        ("a row that is too long", rows(&["####", "#SG##", "####"])),
-        ("no rows", b"{\n  \"rows\": []\n}\n".to_vec()),
-        ("an empty row", rows(&["####", "", "####"])),
-        ("no goal", rows(&["####", "#S.#", "####"])),
-        ("two starts", rows(&["#####", "#S.G#", "#.S.#", "#####"])),
-        ("two starts in one row", rows(&["#####", "#SSG#", "#####"])),
-        ("an unknown letter", rows(&["####", "#sG#", "####"])),
-        ("a letter of several bytes", rows(&["####", "#é█#", "####"])),
-        (
-            "an escape sequence in a row",
-            rows(&["####", r"#\u0053G#", "####"]),
-        ),
-        (
-            "a start that reaches no goal",
-            rows(&["#####", "#S#G#", "#####"]),
-        ),
-        (
-            "a free cell that reaches no goal when the start is random",
-            rows(&["######", "#.G#.#", "######"]),
-        ),
-        ("no cell to start in", rows(&["####", "#GG#", "####"])),
-        ("an open border", rows(&["####", "#SG.", "####"])),
-    ];
-    insta::assert_snapshot!(refusals(&cases));
+    let table = r######"
+ragged rows: #### #SG# ###
+a row that is too long: #### #SG## ####
+no rows: {\n  "rows": []\n}
+an empty row: ####  ####
+no goal: #### #S.# ####
+two starts: ##### #S.G# #.S.# #####
+two starts in one row: ##### #SSG# #####
+an unknown letter: #### #sG# ####
+a letter of several bytes: #### #é█# ####
+an escape sequence in a row: #### #\u0053G# ####
+a start that reaches no goal: ##### #S#G# #####
+a free cell that reaches no goal when the start is random: ###### #.G#.# ######
+no cell to start in: #### #GG# ####
+an open border: #### #SG. ####
+"######;
+    insta::assert_snapshot!(refusals(&cases(table)));
 }
 
 #[test]
 fn a_floor_that_does_not_fit_the_rows_is_refused_at_the_cell() {
-    let other = |value: &str| with(&format!("\"floor\": {value}"));
-    let floor = |rows: &[&str]| other(&format!("{rows:?}"));
-    let cases = [
-        ("a floor of the wrong type", other("\"ice\"")),
-        ("a row of a floor of the wrong type", other("[\"#..#\", 3]")),
-        ("too few rows", floor(&["####", "#3.#"])),
-        ("too many rows", floor(&["####", "#3.#", "####", "####"])),
-        ("a row that is too short", floor(&["####", "#3#", "####"])),
-        ("an unknown letter", floor(&["####", "#x.#", "####"])),
-        (
-            "a letter of several bytes",
-            floor(&["####", "#é.#", "####"]),
-        ),
-        ("no friction at all", floor(&["####", "#0.#", "####"])),
-        (
-            "a wall where there is none",
-            floor(&["####", "##3#", "####"]),
-        ),
-        ("friction below a wall", floor(&["####", "#.3#", "#3##"])),
-    ];
-    insta::assert_snapshot!(refusals(&cases));
+    let table = r######"
+a floor of the wrong type: "floor": "ice"
+a row of a floor of the wrong type: "floor": ["#..#", 3]
+too few rows: "floor": ["####", "#3.#"]
+too many rows: "floor": ["####", "#3.#", "####", "####"]
+a row that is too short: "floor": ["####", "#3#", "####"]
+an unknown letter: "floor": ["####", "#x.#", "####"]
+a letter of several bytes: "floor": ["####", "#é.#", "####"]
+no friction at all: "floor": ["####", "#0.#", "####"]
+a wall where there is none: "floor": ["####", "##3#", "####"]
+friction below a wall: "floor": ["####", "#.3#", "#3##"]
+"######;
+    insta::assert_snapshot!(refusals(&cases(table)));
 }
 
 #[test]
 fn wrong_keys_and_values_are_refused_at_the_word() {
-    let cases = [
-        ("a size of zero", with(r#""cell_size_m": 0"#)),
-        ("a negative size", with(r#""cell_size_m": -1.0"#)),
-        ("a huge size", with(r#""cell_size_m": 1e300"#)),
-        ("an infinite size", with(r#""cell_size_m": 1e999"#)),
-        ("a denormal size", with(r#""cell_size_m": 1e-320"#)),
-        ("a size that is not a number", with(r#""cell_size_m": NaN"#)),
-        (
-            "a size written as minus infinity",
-            with(r#""cell_size_m": -Infinity"#),
-        ),
-        ("a size of the wrong type", with(r#""cell_size_m": "1.0""#)),
-        ("five moves", with(r#""moves": 5"#)),
-        ("wrap of the wrong type", with(r#""wrap": "yes""#)),
-        (
-            "rows of the wrong type",
-            b"{\n  \"rows\": \"####\"\n}\n".to_vec(),
-        ),
-        (
-            "a row of the wrong type",
-            b"{\n  \"rows\": [\n    \"####\",\n    17\n  ]\n}\n".to_vec(),
-        ),
-        ("a misspelt key", with(r#""cellsize": 1.0"#)),
-        ("an unknown key", with(r#""gravity": 9.81"#)),
-        ("a repeated key", with("\"moves\": 4,\n  \"moves\": 8")),
-        ("a missing key", b"{\n  \"name\": \"maze\"\n}\n".to_vec()),
-        ("a name that leaves the folder", with(r#""name": "../x""#)),
-        (
-            "an absolute path as a name",
-            with(r#""name": "/etc/passwd""#),
-        ),
-        ("a device as a name", with(r#""name": "CON""#)),
-        ("a nul character in a name", with(r#""name": "a\u0000b""#)),
-        ("an empty name", with(r#""name": """#)),
-        ("a name of the wrong type", with(r#""name": 4"#)),
-        (
-            "half a surrogate pair as a name",
-            with(r#""name": "\ud800""#),
-        ),
-    ];
-    insta::assert_snapshot!(refusals(&cases));
+    let table = r######"
+a size of zero: "cell_size_m": 0
+a negative size: "cell_size_m": -1.0
+a huge size: "cell_size_m": 1e300
+an infinite size: "cell_size_m": 1e999
+a denormal size: "cell_size_m": 1e-320
+a size that is not a number: "cell_size_m": NaN
+a size written as minus infinity: "cell_size_m": -Infinity
+a size of the wrong type: "cell_size_m": "1.0"
+five moves: "moves": 5
+wrap of the wrong type: "wrap": "yes"
+rows of the wrong type: {\n  "rows": "####"\n}
+a row of the wrong type: {\n  "rows": [\n    "####",\n    17\n  ]\n}
+a misspelt key: "cellsize": 1.0
+an unknown key: "gravity": 9.81
+a repeated key: "moves": 4,\n  "moves": 8
+a missing key: {\n  "name": "maze"\n}
+a name that leaves the folder: "name": "../x"
+an absolute path as a name: "name": "/etc/passwd"
+a device as a name: "name": "CON"
+a nul character in a name: "name": "a\u0000b"
+an empty name: "name": ""
+a name of the wrong type: "name": 4
+half a surrogate pair as a name: "name": "\ud800"
+"######;
+    insta::assert_snapshot!(refusals(&cases(table)));
 }
 
 #[test]
 fn text_that_is_not_a_json_object_is_refused_at_the_character() {
-    let sound = rows(&["####", "#SG#", "####"]);
+    let sound = rows("#### #SG# ####");
     let comma = String::from_utf8_lossy(&sound).replace("  ]\n", "  ],\n");
+    let file = |text: &[u8]| text.to_vec();
     let cases = [
         ("text after the world", [&sound[..], b"and more\n"].concat()),
         ("a trailing comma", comma.into()),
         (
             "a trailing comma in an array",
-            b"{\n  \"rows\": [\"####\", ]\n}\n".to_vec(),
+            file(b"{\n  \"rows\": [\"####\", ]\n}\n"),
         ),
         (
             "a line break in a string",
-            b"{\n  \"rows\": [\"##\\\"\n##\"]\n}\n".to_vec(),
+            file(b"{\n  \"rows\": [\"##\\\"\n##\"]\n}\n"),
         ),
         (
             "a fault at the end of a line",
-            b"{\n  \"rows\": tru\n}\n".to_vec(),
+            file(b"{\n  \"rows\": tru\n}\n"),
         ),
         (
             "an unfinished file",
-            b"{\n  \"rows\": [\n    \"####\",\n".to_vec(),
+            file(b"{\n  \"rows\": [\n    \"####\",\n"),
         ),
-        ("a missing colon", b"{\n  \"rows\" []\n}\n".to_vec()),
+        ("a missing colon", file(b"{\n  \"rows\" []\n}\n")),
         (
             "an array instead of the object",
-            b"[\n  \"####\"\n]\n".to_vec(),
+            file(b"[\n  \"####\"\n]\n"),
         ),
         ("an empty file", Vec::new()),
         (
             "a nul byte",
-            b"{\n  \"rows\": [\"####\", \"#S\0G#\"]\n}".to_vec(),
+            file(b"{\n  \"rows\": [\"####\", \"#S\0G#\"]\n}"),
         ),
         (
             "bytes that are no UTF-8",
-            b"{\n  \"rows\": [\"####\", \"#S\xffG#\"]\n}".to_vec(),
+            file(b"{\n  \"rows\": [\"####\", \"#S\xffG#\"]\n}"),
         ),
         (
             "a fault after a byte order mark and windows line ends",
-            b"\xef\xbb\xbf{\r\n  \"rows\": [\r\n    \"####\",\r\n    \"#x\"]\r\n}".to_vec(),
+            file(b"\xef\xbb\xbf{\r\n  \"rows\": [\r\n    \"####\",\r\n    \"#x\"]\r\n}"),
         ),
     ];
     insta::assert_snapshot!(refusals(&cases));
@@ -194,22 +181,14 @@ fn text_that_is_not_a_json_object_is_refused_at_the_character() {
 
 #[test]
 fn what_is_too_large_is_refused_with_a_short_excerpt() {
-    let many_rows = vec!["\"\""; 4097].join(",");
-    let many_columns = ".".repeat(4097);
+    let many_rows = format!("{{\"rows\": [{}]}}", vec!["\"\""; 4097].join(","));
+    let many_columns = format!("{{\"rows\": [\"{}\"]}}", ".".repeat(4097));
+    let nested = vec![b'['; 100_000];
     let cases = [
-        (
-            "deep nesting",
-            [&b"{\"rows\":"[..], &[b'['; 100_000]].concat(),
-        ),
-        ("nesting from the first byte", vec![b'['; 100_000]),
-        (
-            "too many rows",
-            format!("{{\"rows\": [{many_rows}]}}").into(),
-        ),
-        (
-            "too many columns",
-            format!("{{\"rows\": [\"{many_columns}\"]}}").into(),
-        ),
+        ("deep nesting", [&b"{\"rows\":"[..], &nested].concat()),
+        ("nesting from the first byte", nested),
+        ("too many rows", many_rows.into()),
+        ("too many columns", many_columns.into()),
         ("more than 64 MiB", vec![b' '; (64 << 20) + 1]),
     ];
     insta::assert_snapshot!(refusals(&cases));
@@ -236,7 +215,7 @@ fn two_places_far_apart_in_one_long_line_are_both_told() {
 fn the_program_prints_what_the_library_says_and_ends_with_code_65() {
     let folder = tempfile::tempdir().unwrap();
     for (fault, text) in [
-        ("ragged rows", rows(&["####", "#SG#", "###"])),
+        ("ragged rows", rows("#### #SG# ###")),
         ("a misspelt key", with(r#""cellsize": 1.0"#)),
         ("bytes that are no UTF-8", b"{\"rows\": [\"\xff".to_vec()),
         ("nesting", vec![b'['; 100_000]),

@@ -5,13 +5,6 @@ use xcscr::streams::StreamName;
 use xcscr::world::{Cell, Maze, Paths};
 use xcscr::xcs::random::Stream;
 
-const WORLDS: [&[u8]; 4] = [
-    include_bytes!("../../worlds/maze4.json"),
-    include_bytes!("../../worlds/maze4-classic.json"),
-    include_bytes!("../../worlds/maze5-wet.json"),
-    include_bytes!("../../worlds/woods1.json"),
-];
-
 /// The rows of a random world, each inner cell a wall with a chance of one in four.
 fn rows(stream: &mut Stream, width: usize, height: usize, fixed_start: bool) -> Vec<Vec<u8>> {
     let mut rows = vec![vec![b'#'; width + 2]; height + 2];
@@ -117,45 +110,4 @@ proptest! {
             prop_assert_eq!(found, expected, "{:?} in {}", cell, maze.to_json());
         }
     }
-
-    #[test]
-    fn the_middle_of_a_cell_lies_in_that_cell(seed: u64) {
-        let maze = maze(seed);
-        for cell in maze.cells() {
-            prop_assert_eq!(maze.cell_at(maze.centre_m(cell)), Some(cell));
-        }
-    }
-}
-
-/// Replaces, inserts, removes or doubles some bytes.
-fn mutate(text: &mut Vec<u8>, stream: &mut Stream) {
-    const ODD: &[u8] = b"\"\\{}[],:#.SG0-eE\0\n\r\xef\xbb\xbf\xff ntf9";
-    let at = stream.below(text.len() + 1);
-    let to = text.len().min(at + 1 + stream.below(9));
-    let byte = ODD[stream.below(ODD.len())];
-    match stream.below(4) {
-        0 if at < to => text[at] = byte,
-        1 => drop(text.drain(at..to)),
-        2 => text.splice(at..at, text[at..to].to_vec()).for_each(drop),
-        _ => text.insert(at, byte),
-    }
-}
-
-#[test]
-fn no_change_of_a_file_makes_reading_panic() {
-    let mut stream = Stream::new(7, StreamName::World);
-    let (mut good, mut bad) = (0, 0);
-    for round in 0..30_000 {
-        let mut text = WORLDS[round % WORLDS.len()].to_vec();
-        (0..=stream.below(4)).for_each(|_| mutate(&mut text, &mut stream));
-        match Maze::from_json(&text, "changed.json") {
-            Ok(_) => good += 1,
-            Err(error) => {
-                bad += 1;
-                let message = error.to_string();
-                assert!(message.contains("changed.json:"), "{message}");
-            }
-        }
-    }
-    assert!(good > 100 && bad > 100, "{good} good, {bad} bad");
 }
