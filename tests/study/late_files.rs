@@ -93,7 +93,7 @@ fn whatever_the_machines_see_of_each_other_the_merge_is_that_of_one_process_or_n
     done.unwrap();
     let mut chance = Stream::new(1, StreamName::World);
     let (mut twice, mut refused, mut torn) = (0, 0, 0);
-    for round in 0..5 {
+    for round in 0..3 {
         let mut cluster = Cluster::new();
         loop {
             let (planned, path) = cluster.view(|length| match chance.below(4) {
@@ -130,33 +130,5 @@ fn whatever_the_machines_see_of_each_other_the_merge_is_that_of_one_process_or_n
     assert!(
         twice > 5 && refused > 5 && torn > 5,
         "{twice} {refused} {torn}"
-    );
-}
-
-#[test]
-fn two_results_of_one_trial_that_differ_are_refused_with_their_place() {
-    let mut cluster = Cluster::new();
-    for task in 1..=TASKS {
-        let (planned, path) = cluster.view(Some);
-        planned.run_task(task, 1, &mut ()).unwrap();
-        cluster.take_up(&path, 0);
-    }
-    let (name, journal) = cluster.written.first_key_value().unwrap();
-    let text = String::from_utf8(journal.clone()).unwrap();
-    let (header, line) = (text.lines().next().unwrap(), text.lines().nth(1).unwrap());
-    let (_, json) = line.split_once(' ').unwrap();
-    let mut record: serde_json::Value = serde_json::from_str(json).unwrap();
-    let rules = record["result"]["Ok"]["rules"].as_u64().unwrap();
-    record["result"]["Ok"]["rules"] = (rules + 1).into();
-    let other = record.to_string();
-    let sum = crc32fast::hash(other.as_bytes());
-    let forged = format!("{header}\n{sum:08x} {other}\n");
-    let twin = format!("{name}0");
-    cluster.written.insert(twin.clone(), forged.into_bytes());
-    let (_, path) = cluster.view(Some);
-    let message = merge(&path).unwrap_err().to_string();
-    assert!(
-        message.contains(&twin) && message.contains("another result of trial 0"),
-        "{message}"
     );
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use xcscr::study::{Overrides, Protocol, Report, Shard, Study, StudyFile, StudyFolder};
 
-use crate::kit::program::outcome;
+use crate::kit::program::{expect, outcome};
 
 #[path = "../../examples/agents/fewest_steps.rs"]
 mod fewest_steps;
@@ -36,54 +36,43 @@ fn run(study: &Study, folder: PathBuf) -> StudyFolder {
 fn an_agent_of_ones_own_runs_in_every_world_with_the_seeds_of_the_others_and_changes_none_of_them()
 {
     let place = tempfile::tempdir().unwrap();
-    let own = run(&with_own(study()), place.path().join("own"));
+    let (path, with_own) = (place.path().join("own"), with_own(study()));
+    let own = run(&with_own, path.clone());
     let plain = run(&study(), place.path().join("plain"));
-    let arms: Vec<String> = own
-        .protocol()
-        .arms
-        .iter()
+    let arms = own.protocol().arms.iter();
+    let arms: Vec<String> = arms
         .map(|arm| format!("{} {}", arm.world, arm.method_name()))
         .collect();
-    let expected = ["xcs", "q-learning", "fewest-steps"];
-    let expected = ["maze4", "maze5"].map(|world| expected.map(|name| format!("{world} {name}")));
+    let names = ["xcs", "q-learning", "fewest-steps"];
+    let expected = ["maze4", "maze5"].map(|world| names.map(|name| format!("{world} {name}")));
     assert_eq!(arms, expected.concat());
     let figures = |folder: &StudyFolder, is_own: bool| {
-        let records = folder.records();
-        let of_kind =
-            records.filter(|one| folder.protocol().arm(one.trial).agent.is_some() == is_own);
-        of_kind.map(|one| one.result.unwrap()).collect::<Vec<_>>()
+        let is_kind = |trial: usize| folder.protocol().arm(trial).agent.is_some() == is_own;
+        let records = folder.records().filter(|one| is_kind(one.trial));
+        records.map(|one| one.result.unwrap()).collect::<Vec<_>>()
     };
     assert_eq!(figures(&own, false), figures(&plain, false));
     let found = figures(&own, true);
     assert_eq!(found.len(), 10);
     assert!(found.iter().any(|one| one.progress.best_steps.is_some()));
-}
-
-#[test]
-fn it_stands_in_report_tables_and_tests_which_the_program_without_it_can_make() {
-    let place = tempfile::tempdir().unwrap();
-    let path = place.path().join("own");
-    let study = with_own(study());
-    let folder = run(&study, path.clone());
-    let report = Report::new(&folder).terminal();
+    // It stands in report and tables.
+    let report = Report::new(&own).terminal();
     assert!(report.contains("fewest-steps − q-learning"), "{report}");
-    study.write_episodes(&folder, 1, &|| false).unwrap();
+    with_own.write_episodes(&own, 1, &|| false).unwrap();
     let table = std::fs::read_to_string(path.join("learning-curves.csv")).unwrap();
-    assert_eq!(
-        table.matches("fewest-steps").count(),
-        80,
-        "two worlds, 40 episodes"
-    );
+    let points = table.matches("fewest-steps").count();
+    assert_eq!(points, 80, "two worlds, 40 episodes");
     // Nobody else works in the folder.
-    drop(folder);
+    drop(own);
     let path = path.to_str().unwrap();
-    let (code, stdout, stderr) = outcome(&["study", "report", path]);
-    assert_eq!(code, Some(0), "{stderr}");
+    let (stdout, _) = expect(0, &["study", "report", path]);
     assert!(stdout.contains("fewest-steps"), "{stdout}");
     // The program has no such agent, and does not give an incomplete table for a whole one.
     let (code, _, stderr) = outcome(&["study", "episodes", path, "--force"]);
-    assert_ne!(code, Some(0));
-    assert!(stderr.contains("fewest-steps"), "{stderr}");
+    assert!(
+        code != Some(0) && stderr.contains("fewest-steps"),
+        "{stderr}"
+    );
 }
 
 #[test]

@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::os::unix::fs::symlink;
-use std::process::Stdio;
 
 use super::tasks::desk;
 use crate::desk::Desk;
@@ -24,12 +23,8 @@ const AT_ONCE: usize = 12;
 
 /// Exit codes and messages of processes that run at the same time.
 fn at_once(desk: &Desk, words: impl Fn(usize) -> String) -> Vec<(Option<i32>, String)> {
-    let spawn = |number| {
-        let mut command = desk.command(&words(number));
-        command.stdout(Stdio::null()).stderr(Stdio::piped());
-        command.spawn().unwrap()
-    };
-    let children: Vec<_> = (0..AT_ONCE).map(spawn).collect();
+    let begin = |number| desk.begin(&words(number));
+    let children: Vec<_> = (0..AT_ONCE).map(begin).collect();
     let ended = children.into_iter().map(|child| {
         let output = child.wait_with_output().unwrap();
         let said = String::from_utf8(output.stderr).unwrap();
@@ -39,43 +34,35 @@ fn at_once(desk: &Desk, words: impl Fn(usize) -> String) -> Vec<(Option<i32>, St
 }
 
 #[test]
-fn many_processes_that_plan_one_study_at_once_all_succeed_and_leave_one_plan() {
+fn processes_that_plan_one_study_at_once_agree_on_its_plan_or_are_refused() {
     let desk = desk();
     desk.done("plan small.toml --tasks 8 --out alone");
-    for round in 0..5 {
+    // The first rounds all want the same number of tasks, the others one of two.
+    for (round, kinds) in [1, 1, 1, 1, 1, 2, 2, 2, 2, 2].into_iter().enumerate() {
         let out = format!("split{round}");
-        let words = format!("plan small.toml --tasks 8 --out {out}");
-        for (code, said) in at_once(&desk, |_| words.clone()) {
-            assert_eq!(code, Some(0), "{said}");
-        }
-        let [made, alone] = [out.as_str(), "alone"].map(|name| desk.path(name));
-        assert_eq!(folder::names(&made), folder::names(&alone));
-        let [made, alone] = [made, alone].map(|path| fs::read(path.join("plan.json")).unwrap());
-        assert!(made == alone, "another plan than that of one process");
-    }
-}
-
-#[test]
-fn of_processes_that_split_a_study_differently_at_once_none_is_overruled_in_silence() {
-    let desk = desk();
-    for round in 0..5 {
-        let out = format!("split{round}");
-        let tasks = |number: usize| 2 + number % 2;
+        let tasks = |number: usize| 8 + number % kinds;
         let ended = at_once(&desk, |number| {
             format!("plan small.toml --tasks {} --out {out}", tasks(number))
         });
-        let text = fs::read_to_string(desk.path(&out).join("plan.json")).unwrap();
+        let plan = desk.read(&format!("{out}/plan.json"));
         for (number, (code, said)) in ended.into_iter().enumerate() {
-            let is_there = text.contains(&format!("\"tasks\": {},", tasks(number)));
+            let is_there = plan.contains(&format!("\"tasks\": {},", tasks(number)));
             assert_eq!(code, Some(if is_there { 0 } else { 73 }), "{said}");
         }
+        let names = |name: &str| folder::names(&desk.path(name));
+        assert_eq!(names(&out), names("alone"));
+        let is_same = plan == desk.read("alone/plan.json");
+        assert!(
+            is_same || kinds == 2,
+            "another plan than that of one process"
+        );
     }
 }
 
 #[test]
 fn many_processes_that_search_in_one_folder_at_once_agree() {
     let desk = desk();
-    fs::write(desk.path("sweep.toml"), SWEEP).unwrap();
+    desk.write("sweep.toml", SWEEP);
     let words = "tune sweep.toml --budget 4 --tasks 1 --out found";
     for (code, said) in at_once(&desk, |_| words.to_owned()) {
         assert_eq!(code, Some(75), "{said}");
@@ -87,15 +74,13 @@ fn many_processes_that_search_in_one_folder_at_once_agree() {
         let is_busy = said.contains("is in use by process");
         assert!(code == Some(0) || code == Some(73) && is_busy, "{said}");
     }
-    let search = desk.path("whole/search.json");
-    let (text, altered) = (fs::read(&search).unwrap(), "{}");
-    fs::write(&search, altered).unwrap();
-    let (_, said) = desk.ends(whole, 73);
-    assert!(said.contains("search.json was changed"), "{said}");
-    assert_eq!(fs::read_to_string(&search).unwrap(), altered);
-    fs::remove_file(&search).unwrap();
+    let text = desk.read("whole/search.json");
+    desk.write("whole/search.json", "{}");
+    desk.refused(whole, 73, "search.json was changed");
+    assert_eq!(desk.read("whole/search.json"), "{}");
+    fs::remove_file(desk.path("whole/search.json")).unwrap();
     desk.done(whole);
-    assert_eq!(fs::read(&search).unwrap(), text);
+    assert_eq!(desk.read("whole/search.json"), text);
 }
 
 #[test]
@@ -103,29 +88,28 @@ fn scripts_are_written_anew_for_other_tasks_unless_they_were_changed_by_hand() {
     let desk = desk();
     let words = "submit small.toml --tasks 2 --time 1h --out split";
     desk.done(words);
-    let array = desk.path("split/slurm/array.sh");
-    let first = fs::read_to_string(&array).unwrap();
+    let array = "split/slurm/array.sh";
+    let first = desk.read(array);
     desk.done("task split 1");
     desk.done(words);
-    let second = fs::read_to_string(&array).unwrap();
+    let second = desk.read(array);
     assert_ne!(first, second, "only a task is left");
-    let submitted = fs::read_to_string(desk.path("submitted")).unwrap();
+    let submitted = desk.read("submitted");
     for name in ["array.sh", "merge.sh"] {
-        let path = desk.path("split/slurm").join(name);
-        let text = fs::read_to_string(&path).unwrap();
+        let path = format!("split/slurm/{name}");
+        let text = desk.read(&path);
         let mine = text.replacen("#SBATCH", "#SBATCH --mem=4G\n#SBATCH", 1);
         for altered in [mine.as_str(), "echo mine\n", ""] {
-            fs::write(&path, altered).unwrap();
-            let (_, said) = desk.ends(words, 73);
-            assert!(said.contains(&format!("{name} was changed")), "{said}");
-            assert_eq!(fs::read_to_string(&path).unwrap(), altered);
+            desk.write(&path, altered);
+            desk.refused(words, 73, &format!("{name} was changed"));
+            assert_eq!(desk.read(&path), altered);
         }
-        fs::remove_file(&path).unwrap();
+        fs::remove_file(desk.path(&path)).unwrap();
     }
-    let after = fs::read_to_string(desk.path("submitted")).unwrap();
+    let after = desk.read("submitted");
     assert_eq!(after, submitted, "a refused script was submitted");
     desk.done(words);
-    assert_eq!(fs::read_to_string(&array).unwrap(), second);
+    assert_eq!(desk.read(array), second);
 }
 
 #[test]
@@ -133,10 +117,10 @@ fn a_link_to_another_folder_of_scripts_is_not_followed() {
     let desk = desk();
     desk.done("plan small.toml --tasks 2 --out split");
     fs::create_dir(desk.path("elsewhere")).unwrap();
-    fs::write(desk.path("elsewhere/merge.sh"), "mine").unwrap();
+    desk.write("elsewhere/merge.sh", "mine");
     symlink(desk.path("elsewhere"), desk.path("split/slurm")).unwrap();
-    let (_, said) = desk.ends("submit small.toml --time 1h --out split", 73);
-    assert!(said.contains("slurm: it is a symbolic link"), "{said}");
+    let words = "submit small.toml --time 1h --out split";
+    desk.refused(words, 73, "slurm: it is a symbolic link");
     let there = folder::contents(&desk.path("elsewhere"));
     assert_eq!(there, [("merge.sh".to_owned(), b"mine".to_vec())]);
 }
