@@ -1,17 +1,18 @@
 //! The advice of `train` helps: ten situations in which a plan fails, and what it does once the advice is taken.
 
+use std::ops::Range;
+
 use xcscr::agent::{Estimator, Method};
-use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
 use xcscr::trial::Plan;
-use xcscr::world::{Maze, Recipe};
+use xcscr::world::Maze;
 
-use super::kit::trial::maze;
+use crate::learned::{drawn, gridded, learned, with, world};
 
 /// An office of 44 x 27 cells: a corridor from west to east, and four rooms with a desk on each side of it.
 fn office() -> Maze {
     let mut rows = vec![vec![b'#'; 44]; 27];
-    let mut fill = |rows_of: std::ops::Range<usize>, cols: std::ops::Range<usize>, cell: u8| {
+    let mut fill = |rows_of: Range<usize>, cols: Range<usize>, cell: u8| {
         for row in rows_of {
             rows[row][cols.clone()].fill(cell);
         }
@@ -31,123 +32,84 @@ fn office() -> Maze {
         .into_iter()
         .map(|row| String::from_utf8(row).unwrap())
         .collect();
-    let text = format!(r#"{{ "rows": {rows:?} }}"#);
-    Maze::from_json(text.as_bytes(), "office.json").unwrap()
-}
-
-fn generated(recipe: &str) -> Maze {
-    recipe.parse::<Recipe>().unwrap().maze().unwrap()
+    drawn(&rows)
 }
 
 fn plan(maze: Maze, method: Method, sensor: Sensor, episodes: u32) -> Plan {
-    let plan = Plan::new(maze).method(method).arena(ArenaKind::Grid);
-    plan.sensor(sensor).episodes(episodes).seed(1)
+    let plan = gridded(maze, method).sensor(sensor);
+    plan.episodes(episodes).seed(1)
 }
 
-fn with(mut plan: Plan, change: impl FnOnce(&mut Plan)) -> Plan {
-    change(&mut plan);
-    plan
-}
-
-fn ends_optimal(plan: Plan) -> bool {
-    plan.run().unwrap().progress().optimal
-}
-
-/// What fails, and the advice for it.
-fn situations() -> Vec<(&'static str, Plan, &'static str)> {
+/// Ten plans that fail, and the advice for each.
+fn situations() -> [(Plan, &'static str); 10] {
     use Method::{DynaQ, QLearning, RMax, Xcs, Xcscr, XcscrPlus};
     use Sensor::{Lidar, LidarBeams, LidarRanges, Neighbours};
-    vec![
+    let plus = |maze: &str, episodes| plan(world(maze), XcscrPlus, Neighbours, episodes);
+    // Episodes that end before the goal.
+    let short = with(plus("maze5", 60), |settings| {
+        settings.reward.step_threshold = 8;
+        settings.reward.step_threshold_from_maze = false;
+    });
+    // The percept as the state where cells share it.
+    let percept = with(plus("dfs-12-1", 60), |settings| {
+        settings.plus.estimator = Estimator::Percept;
+    });
+    // Exploration by chance.
+    let chance = with(plus("maze5", 40), |settings| {
+        settings.plus.planned_exploration = false;
+    });
+    // Tables where cells share a percept, on ranges that mislead, and with few episodes.
+    let shared = plan(world("dfs-12-1"), QLearning, Neighbours, 60);
+    let misled = plan(world("dfs-12-1"), RMax, LidarRanges, 60);
+    let few = plan(world("rooms-12-1"), DynaQ, Neighbours, 3);
+    [
         (
-            "standard XCS in a multistep maze",
-            plan(maze("maze6"), Xcs, Neighbours, 60),
+            plan(world("maze6"), Xcs, Neighbours, 60),
             "--method xcscr-plus",
         ),
         (
-            "a published method in an office of 44 columns",
             plan(office(), Xcscr, Lidar, 60),
             "--method xcscr-plus --sensor lidar-position",
         ),
         (
-            "beams of a lidar in the office",
             plan(office(), XcscrPlus, LidarBeams, 60),
             "--sensor lidar-position",
         ),
-        (
-            "a table where cells share a percept",
-            plan(generated("dfs-12-1"), QLearning, Neighbours, 60),
-            "--method xcscr-plus",
-        ),
-        (
-            "episodes that end before the goal",
-            with(plan(maze("maze5"), XcscrPlus, Neighbours, 60), |plan| {
-                plan.config.settings.reward.step_threshold = 8;
-                plan.config.settings.reward.step_threshold_from_maze = false;
-            }),
-            "--set reward.step_threshold=48",
-        ),
-        (
-            "the percept as the state where cells share it",
-            with(
-                plan(generated("dfs-12-1"), XcscrPlus, Neighbours, 60),
-                |plan| {
-                    plan.config.settings.plus.estimator = Estimator::Percept;
-                },
-            ),
-            "--set plus.estimator=auto",
-        ),
-        (
-            "one episode",
-            plan(generated("rooms-20-3"), XcscrPlus, Neighbours, 1),
-            "--episodes 30",
-        ),
-        (
-            "exploration by chance",
-            with(plan(maze("maze5"), XcscrPlus, Neighbours, 40), |plan| {
-                plan.config.settings.plus.planned_exploration = false;
-            }),
-            "--set plus.planned_exploration=true",
-        ),
-        (
-            "R-max on ranges that mislead",
-            plan(generated("dfs-12-1"), RMax, LidarRanges, 60),
-            "--sensor lidar-position",
-        ),
-        (
-            "replay in a table, and few episodes",
-            plan(generated("rooms-12-1"), DynaQ, Neighbours, 3),
-            "--method xcscr-plus --episodes 30",
-        ),
+        (shared, "--method xcscr-plus"),
+        (short, "--set reward.step_threshold=48"),
+        (percept, "--set plus.estimator=auto"),
+        (plus("rooms-20-3", 1), "--episodes 30"),
+        (chance, "--set plus.planned_exploration=true"),
+        (misled, "--sensor lidar-position"),
+        (few, "--method xcscr-plus --episodes 30"),
     ]
 }
 
 #[test]
 fn in_ten_failing_situations_the_advice_is_taken_and_helps() {
-    for (situation, plan, expected) in situations() {
+    let ends_optimal = |plan: Plan| learned(plan).progress.optimal;
+    for (plan, expected) in situations() {
         let advice = plan.advice().unwrap();
-        assert_eq!(advice.to_string(), expected, "{situation}");
+        assert_eq!(advice.to_string(), expected);
         let advised = advice.applied_to(&plan).unwrap();
-        assert!(!ends_optimal(plan), "control: {situation}");
-        assert!(ends_optimal(advised), "{situation}: {advice}");
+        assert!(!ends_optimal(plan), "control: {expected}");
+        assert!(ends_optimal(advised), "{advice}");
     }
 }
 
 #[test]
 fn a_warning_before_the_start_gives_the_same_advice_as_far_as_it_concerns_what_it_warns_of() {
-    for (situation, plan, expected) in situations() {
-        for warning in plan.warnings() {
+    let mut warned = 0;
+    for (plan, expected) in situations() {
+        let warnings = plan.warnings();
+        warned += usize::from(!warnings.is_empty());
+        for warning in warnings {
             let text = warning.to_string();
             let (_, advice) = text.split_once("; try `").unwrap_or(("", ""));
             let advice = advice.trim_end_matches('`');
-            assert!(
-                !advice.is_empty() && expected.contains(advice),
-                "{situation}: {text}"
-            );
+            let is_same = !advice.is_empty() && expected.contains(advice);
+            assert!(is_same, "{expected}: {text}");
         }
     }
-    let warned = situations()
-        .iter()
-        .filter(|(_, plan, _)| !plan.warnings().is_empty())
-        .count();
     assert!(warned >= 3, "control: {warned}");
 }

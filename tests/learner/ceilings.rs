@@ -1,51 +1,28 @@
 //! What tabular methods reach in the paper's mazes, and that `xcscr-plus` goes below it.
 
-use std::sync::LazyLock;
+use std::sync::Arc;
 
 use xcscr::agent::Method;
-use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Plan, Progress, Settings};
+use xcscr::trial::Plan;
 use xcscr::world::Maze;
+
+use crate::learned::{Learned, gridded, learned, with, world};
 
 const MAZES: [&str; 3] = ["maze4", "maze5", "maze6"];
 
-/// Twenty trials of R-max, planned on what is known, in each of the mazes.
-static KNOWN: LazyLock<[Vec<Progress>; 3]> = LazyLock::new(|| {
-    MAZES.map(|maze| {
-        let maze = shipped(maze);
-        let short = (Sensor::Neighbours, R_MAX_EPISODES);
-        twenty_in(&maze, short, Method::RMax, &without_generalisation())
+/// Twenty trials.
+fn twenty(plan: Plan) -> Vec<Arc<Learned>> {
+    let seeds = 1..=20;
+    seeds.map(|seed| learned(plan.clone().seed(seed))).collect()
+}
+
+/// Each pair of percept and action must be tried.
+fn without_generalisation(plan: Plan) -> Plan {
+    with(plan, |settings| {
+        settings.plus.collision_rules = false;
+        settings.plus.return_rules = false;
     })
-});
-
-/// R-max has found an optimum long before.
-const R_MAX_EPISODES: u32 = 20;
-
-fn shipped(maze: &str) -> Maze {
-    let path = format!("{}/worlds/{maze}.json", env!("CARGO_MANIFEST_DIR"));
-    Maze::load(path.as_ref()).unwrap()
-}
-
-/// How twenty trials on the grid ended.
-fn twenty(method: Method, maze: &str, settings: &Settings) -> Vec<Progress> {
-    twenty_in(&shipped(maze), (Sensor::Neighbours, 60), method, settings)
-}
-
-fn twenty_in(
-    maze: &Maze,
-    (sensor, episodes): (Sensor, u32),
-    method: Method,
-    settings: &Settings,
-) -> Vec<Progress> {
-    let progress = |seed| {
-        let plan = Plan::new(maze.clone()).method(method);
-        let plan = plan.arena(ArenaKind::Grid).sensor(sensor);
-        let plan = plan.episodes(episodes).seed(seed);
-        let trial = plan.settings(settings.clone()).run().unwrap();
-        trial.progress().clone()
-    };
-    (1..=20).map(progress).collect()
 }
 
 fn median(mut numbers: Vec<u64>) -> u64 {
@@ -54,69 +31,63 @@ fn median(mut numbers: Vec<u64>) -> u64 {
 }
 
 /// The median first optimal episode, where all trials had one.
-fn median_episode(trials: &[Progress]) -> Option<u64> {
-    let first = |one: &Progress| one.first_optimal_episode.map(u64::from);
+fn median_episode(trials: &[Arc<Learned>]) -> Option<u64> {
+    let first = |one: &Arc<Learned>| one.progress.first_optimal_episode.map(u64::from);
     trials.iter().map(first).collect::<Option<_>>().map(median)
 }
 
 /// The median steps in the environment until then.
-fn median_steps(trials: &[Progress]) -> u64 {
-    let first = |one: &Progress| one.first_optimal_env_steps.unwrap_or(u64::MAX);
+fn median_steps(trials: &[Arc<Learned>]) -> u64 {
+    let first = |one: &Arc<Learned>| one.progress.first_optimal_env_steps.unwrap_or(u64::MAX);
     median(trials.iter().map(first).collect())
 }
 
-/// R-max without generalisation: each pair of percept and action must be tried.
-fn without_generalisation() -> Settings {
-    let mut settings = Settings::default();
-    settings.plus.collision_rules = false;
-    settings.plus.return_rules = false;
-    settings
+/// The trials that are optimal at the end.
+fn optimal(trials: &[Arc<Learned>]) -> usize {
+    trials.iter().filter(|one| one.progress.optimal).count()
+}
+
+/// R-max has found an optimum long before the last episode.
+fn r_max(maze: &str) -> Vec<Arc<Learned>> {
+    let plan = gridded(world(maze), Method::RMax).episodes(20);
+    twenty(without_generalisation(plan))
 }
 
 #[test]
-fn r_max_without_generalisation_needs_two_to_four_episodes() {
-    // Known from other programs: 2, 4, 4.
-    for ((maze, trials), expected) in MAZES.iter().zip(&*KNOWN).zip([2_u64, 4, 4]) {
-        let median = median_episode(trials);
-        assert!(
-            median.is_some_and(|m| m.abs_diff(expected) <= 1),
-            "{maze}: {median:?}, {expected} expected"
-        );
-    }
-}
-
-#[test]
-fn q_learning_needs_about_11_25_and_27_episodes() {
-    for (maze, expected) in [("maze4", 11_u64), ("maze5", 25), ("maze6", 27)] {
-        let trials = twenty(Method::QLearning, maze, &Settings::default());
-        let median = median_episode(&trials);
-        assert!(
-            median.is_some_and(|m| m.abs_diff(expected) <= 3),
-            "{maze}: {median:?}, {expected} expected"
-        );
+fn tabular_methods_need_as_many_episodes_as_in_other_programs() {
+    for (at, (r_max_needs, q_learning_needs)) in [(2, 11), (4, 25), (4, 27)].iter().enumerate() {
+        let maze = MAZES[at];
+        let q_learning = twenty(gridded(world(maze), Method::QLearning).episodes(60));
+        for (trials, expected, most) in [
+            (r_max(maze), *r_max_needs, 1),
+            (q_learning, *q_learning_needs, 3),
+        ] {
+            let median = median_episode(&trials);
+            let is_near = median.is_some_and(|median| median.abs_diff(expected) <= most);
+            assert!(is_near, "{maze}: {median:?}, {expected} expected");
+        }
     }
 }
 
 #[test]
 fn xcscr_plus_is_always_optimal_within_three_episodes_and_in_fewer_steps_than_r_max_without_generalisation()
  {
-    for (maze, theirs) in MAZES.iter().zip(&*KNOWN) {
-        let ours = twenty(Method::XcscrPlus, maze, &Settings::default());
-        let (steps, ceiling) = (median_steps(&ours), median_steps(theirs));
+    for maze in MAZES {
+        let ours = twenty(gridded(world(maze), Method::XcscrPlus).episodes(60));
+        let (steps, ceiling) = (median_steps(&ours), median_steps(&r_max(maze)));
         assert!(steps < ceiling, "{maze}: {steps} steps, R-max {ceiling}");
         let episode = median_episode(&ours);
         assert!(episode.is_some_and(|e| e <= 3), "{maze}: {episode:?}");
-        let retained = ours.iter().filter(|one| one.optimal).count();
-        assert_eq!(retained, ours.len(), "{maze}");
+        assert_eq!(optimal(&ours), ours.len(), "{maze}");
     }
 }
 
 #[test]
 fn without_planned_exploration_xcscr_plus_often_fails() {
-    let mut settings = Settings::default();
-    settings.plus.planned_exploration = false;
-    let trials = twenty(Method::XcscrPlus, "maze5", &settings);
-    let found = trials.iter().filter(|one| one.optimal).count();
+    let plan = gridded(world("maze5"), Method::XcscrPlus).episodes(60);
+    let found = optimal(&twenty(with(plan, |settings| {
+        settings.plus.planned_exploration = false;
+    })));
     assert!(found <= 10, "{found} of 20 were optimal all the same");
 }
 
@@ -128,17 +99,20 @@ const ROOM: &str = r########"{ "moves": 8, "rows": [
 #[test]
 fn xcscr_plus_takes_the_same_steps_as_r_max_and_without_generalisation_both_take_more() {
     let maze = Maze::from_json(ROOM.as_bytes(), "room.json").unwrap();
-    let twenty = |method, settings: &Settings| {
-        twenty_in(&maze, (Sensor::NeighboursPosition, 200), method, settings)
+    let plan = |method| {
+        let plan = gridded(maze.clone(), method).episodes(200);
+        plan.sensor(Sensor::NeighboursPosition)
     };
-    let ours = twenty(Method::XcscrPlus, &Settings::default());
-    let with = twenty(Method::RMax, &Settings::default());
-    let without = twenty(Method::RMax, &without_generalisation());
-    for (who, trials) in [("ours", &ours), ("with", &with), ("without", &without)] {
-        let optimal = trials.iter().filter(|one| one.optimal).count();
-        assert_eq!(optimal, 20, "{who}");
-    }
-    let [ours, with, without] = [ours, with, without].map(|trials| median_steps(&trials));
+    let [ours, with, without] = [
+        plan(Method::XcscrPlus),
+        plan(Method::RMax),
+        without_generalisation(plan(Method::RMax)),
+    ]
+    .map(|plan| {
+        let trials = twenty(plan);
+        assert_eq!(optimal(&trials), 20);
+        median_steps(&trials)
+    });
     let steps = format!("{ours} steps; R-max {with}, without generalisation {without}");
     assert_eq!(ours, with, "{steps}");
     assert!(2 * without > 3 * with, "control: {steps}");

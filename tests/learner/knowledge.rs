@@ -1,17 +1,19 @@
 //! What was learned, apart from the learner.
 
-use crate::kit::trial::on_the_grid;
-use xcscr::agent::Method;
+use xcscr::agent::{Knowledge, Method};
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Compacted, Settings, Trial};
+use xcscr::trial::{Compacted, Trial};
 use xcscr::world::Paths;
+
+use crate::learned::{gridded, with, world};
 
 /// A finished trial of a few episodes in Maze4.
 fn finished(method: Method, over_match_set: bool) -> Trial {
-    let mut settings = Settings::default();
-    settings.xcs.value_over_match_set = over_match_set;
-    let plan = on_the_grid("maze4", method).episodes(12);
-    plan.seed(3).settings(settings).run().unwrap()
+    let plan = gridded(world("maze4"), method).episodes(12).seed(3);
+    let plan = with(plan, |settings| {
+        settings.xcs.value_over_match_set = over_match_set;
+    });
+    plan.run().unwrap()
 }
 
 #[test]
@@ -27,47 +29,29 @@ fn what_was_learned_rates_actions_as_the_learner_does() {
             if known.greatest().is_none() {
                 // Some tables rate what was never met; all actions alike.
                 let actions = values.best_actions().count();
-                assert!(
-                    [0, maze.action_count()].contains(&actions),
-                    "{method:?}: {values:?}"
-                );
+                let alike = [0, maze.action_count()].contains(&actions);
+                assert!(alike, "{method:?}: {values:?}");
                 continue;
             }
             rated += 1;
-            assert_eq!(
-                known, values,
-                "{method:?}, over [M]: {over_match_set}, {percept}"
-            );
+            let what = format!("{method:?}, over [M]: {over_match_set}, {percept}");
+            assert_eq!(known, values, "{what}");
         }
         assert!(rated > 5, "{method:?} knows only {rated} percepts");
     }
 }
 
 #[test]
-fn the_two_readings_of_equation_6_are_told_apart_in_a_file() {
-    let knowledge = [false, true].map(|over| finished(Method::Xcs, over).method().knowledge());
-    for (knowledge, kind) in knowledge.iter().zip(["rules", "rules-over-match-set"]) {
-        let text = serde_json::to_string(knowledge).unwrap();
-        assert!(text.starts_with(&format!("{{\"{kind}\":")), "{text:.40}");
-        assert_eq!(
-            &serde_json::from_str::<xcscr::agent::Knowledge>(&text).unwrap(),
-            knowledge
-        );
-    }
-}
-
-#[test]
-fn rules_are_condensed_to_the_same_choices_in_both_readings_of_equation_6() {
-    for over_match_set in [false, true] {
+fn the_two_readings_of_equation_6_are_told_apart_in_a_file_and_condensed_to_the_same_choices() {
+    for (over_match_set, kind) in [(false, "rules"), (true, "rules-over-match-set")] {
         let trial = finished(Method::Xcscr, over_match_set);
-        let maze = &trial.plan().maze;
-        let knowledge = trial.method().knowledge();
-        let compacted =
-            Compacted::new(&knowledge, Sensor::Neighbours, maze, &Paths::new(maze)).unwrap();
+        let (maze, knowledge) = (&trial.plan().maze, trial.method().knowledge());
+        let text = serde_json::to_string(&knowledge).unwrap();
+        assert!(text.starts_with(&format!("{{\"{kind}\":")), "{text:.40}");
+        assert_eq!(serde_json::from_str::<Knowledge>(&text).unwrap(), knowledge);
+        let paths = Paths::new(maze);
+        let compacted = Compacted::new(&knowledge, Sensor::Neighbours, maze, &paths).unwrap();
         assert!(compacted.percepts > 5, "{} percepts", compacted.percepts);
-        assert_eq!(
-            compacted.agreeing, compacted.percepts,
-            "over [M]: {over_match_set}"
-        );
+        assert_eq!(compacted.agreeing, compacted.percepts, "{kind}");
     }
 }

@@ -66,23 +66,19 @@ fn assert_close(measured: f64, expected: f64) {
 }
 
 #[test]
-fn equation_6_weighs_predictions_by_fitness() {
-    let xcs = learner(no_subsumption(), 2, worked_rules());
-    let values = xcs.values(&percept("0"));
+fn equation_6_weighs_by_fitness_and_as_printed_divides_by_that_of_the_whole_match_set() {
     // (100 * 0.5 + 300 * 0.25) / (0.5 + 0.25)
-    assert_close(values.get(north()).unwrap(), 500.0 / 3.0);
-    assert_close(values.get(Action::new(1).unwrap()).unwrap(), -50.0);
-}
-
-#[test]
-fn equation_6_as_printed_divides_by_the_fitness_of_the_whole_match_set() {
-    let params = Params {
-        value_over_match_set: true,
-        ..no_subsumption()
-    };
-    let values = learner(params, 2, worked_rules()).values(&percept("0"));
-    assert_close(values.get(north()).unwrap(), 125.0);
-    assert_close(values.get(Action::new(1).unwrap()).unwrap(), -12.5);
+    for (value_over_match_set, expected) in [(false, [500.0 / 3.0, -50.0]), (true, [125.0, -12.5])]
+    {
+        let params = Params {
+            value_over_match_set,
+            ..no_subsumption()
+        };
+        let values = learner(params, 2, worked_rules()).values(&percept("0"));
+        for (action, expected) in Action::all(2).zip(expected) {
+            assert_close(values.get(action).unwrap(), expected);
+        }
+    }
 }
 
 #[test]
@@ -175,39 +171,28 @@ fn covering_gives_every_action_a_rule_that_matches() {
     assert_eq!(xcs.values(&percept("0110")).as_slice(), [Some(0.0); 4]);
 }
 
-#[test]
-fn the_ga_waits_until_the_niche_has_rested_for_theta_ga() {
+/// The number of micro-classifiers after each of some steps in one niche.
+fn evolved(ga: bool, theta_ga: u32, steps: usize) -> Vec<u32> {
     let params = Params {
-        theta_ga: 3,
+        ga,
+        theta_ga,
         chi: 0.0,
         mu: 0.0,
         ..no_subsumption()
     };
     let mut xcs = learner(params, 1, vec![rule("0", 0)]);
     let mut set = xcscr::xcs::MatchSet::default();
-    let mut micro = Vec::new();
-    for _ in 0..5 {
+    let mut step = |_| {
         xcs.form_match_set(&percept("0"), &mut set);
-        let niche = set.action_set(north()).unwrap();
-        xcs.evolve(&niche);
-        micro.push(xcs.population().micro());
-    }
-    // Two copies when the time passes 0 + 3, and not again before it passes 4 + 3.
-    assert_eq!(micro, [1, 1, 1, 3, 3]);
+        xcs.evolve(&set.action_set(north()).unwrap());
+        xcs.population().micro()
+    };
+    (0..steps).map(&mut step).collect()
 }
 
 #[test]
-fn without_the_ga_no_rule_is_ever_made_but_by_covering() {
-    let params = Params {
-        ga: false,
-        theta_ga: 0,
-        ..Params::default()
-    };
-    let mut xcs = learner(params, 1, vec![rule("0", 0)]);
-    let mut set = xcscr::xcs::MatchSet::default();
-    for _ in 0..100 {
-        xcs.form_match_set(&percept("0"), &mut set);
-        xcs.evolve(&set.action_set(north()).unwrap());
-    }
-    assert_eq!(xcs.population().micro(), 1);
+fn the_ga_waits_until_the_niche_has_rested_for_theta_ga_and_without_it_no_rule_is_made() {
+    // Two copies when the time passes 0 + 3, and not again before it passes 4 + 3.
+    assert_eq!(evolved(true, 3, 5), [1, 1, 1, 3, 3]);
+    assert_eq!(evolved(false, 0, 100), [1; 100]);
 }

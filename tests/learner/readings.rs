@@ -1,7 +1,7 @@
 //! Each doubtful reading of the paper is one setting. Here each setting is turned, and what it
 //! changes is computed by hand; the control is the other reading.
 
-use xcscr::agent::{Agent, Method, Params, Setup, StackEvolution, StepLimitUpdate, XcsPayment};
+use xcscr::agent::{Agent, Method, Setup, StackEvolution, StepLimitUpdate, XcsPayment};
 use xcscr::arena::Outcome;
 use xcscr::streams::StreamName;
 use xcscr::xcs::random::Stream;
@@ -28,16 +28,20 @@ fn plain() -> xcs::Params {
     }
 }
 
-fn learner(params: xcs::Params, seed: u64) -> Xcs {
+/// A learner with one of the readings.
+fn learner(seed: u64, read: impl FnOnce(&mut xcs::Params)) -> Xcs {
+    let mut params = plain();
+    read(&mut params);
     Xcs::new(params, 2, Stream::new(seed, StreamName::Evolution))
 }
 
-fn method(method: Method, xcs: xcs::Params, reward: Params) -> Box<dyn Agent> {
-    let setup = Setup {
-        xcs,
-        reward,
+/// A method with one of the readings.
+fn method(method: Method, read: impl FnOnce(&mut Setup)) -> Box<dyn Agent> {
+    let mut setup = Setup {
+        xcs: plain(),
         ..Setup::default()
     };
+    read(&mut setup);
     method.build(2, 0, setup, 1)
 }
 
@@ -57,13 +61,7 @@ fn values(method: &dyn Agent, bits: &str) -> f64 {
 #[test]
 fn the_first_payoff_is_an_error_only_if_the_error_is_updated_before_the_prediction() {
     let after_two_payoffs = |update_order| {
-        let mut xcs = learner(
-            xcs::Params {
-                update_order,
-                ..plain()
-            },
-            1,
-        );
+        let mut xcs = learner(1, |params| params.update_order = update_order);
         let mut set = MatchSet::default();
         xcs.form_match_set(&percept("01"), &mut set);
         let set = set.action_set(action(0)).unwrap();
@@ -75,27 +73,19 @@ fn the_first_payoff_is_an_error_only_if_the_error_is_updated_before_the_predicti
         })
     };
     // |1000 - 0| = 1000; then the mean of 1000 and |500 - 1000|.
-    assert_eq!(
-        after_two_payoffs(UpdateOrder::ErrorFirst),
-        [(1000.0, 1000.0), (750.0, 750.0)]
-    );
+    let found = after_two_payoffs(UpdateOrder::ErrorFirst);
+    assert_eq!(found, [(1000.0, 1000.0), (750.0, 750.0)]);
     // |1000 - 1000| = 0; then the mean of 0 and |500 - 750|.
-    assert_eq!(
-        after_two_payoffs(UpdateOrder::PredictionFirst),
-        [(1000.0, 0.0), (750.0, 125.0)]
-    );
+    let found = after_two_payoffs(UpdateOrder::PredictionFirst);
+    assert_eq!(found, [(1000.0, 0.0), (750.0, 125.0)]);
 }
 
 #[test]
 fn the_gas_clock_counts_episodes_that_only_exploit_or_does_not() {
     let rules_after_waiting_in_exploitation = |ga_clock| {
-        let params = xcs::Params {
-            ga: true,
-            mu: 1.0,
-            ga_clock,
-            ..plain()
-        };
-        let mut xcs = learner(params, 1);
+        let mut xcs = learner(1, |params| {
+            (params.ga, params.mu, params.ga_clock) = (true, 1.0, ga_clock);
+        });
         let mut set = MatchSet::default();
         xcs.let_evolve(false);
         for _ in 0..40 {
@@ -126,12 +116,11 @@ fn of_equally_general_rules_the_first_subsumes_or_either() {
                 }
             });
             let rules = xcs::Population::try_from(rules.to_vec()).unwrap();
-            let params = xcs::Params {
-                action_set_subsumption: true,
-                subsumer_ties,
-                ..plain()
-            };
-            let mut xcs = learner(params, seed).with_population(rules);
+            let xcs = learner(seed, |params| {
+                params.action_set_subsumption = true;
+                params.subsumer_ties = subsumer_ties;
+            });
+            let mut xcs = xcs.with_population(rules);
             let set = xcs.matching_action_set(&percept("11"), action(0));
             xcs.update(&set, 0.0, 0.2);
             let absorbed = |rule: &&xcs::Classifier| rule.numerosity == 2;
@@ -150,11 +139,7 @@ fn of_equally_general_rules_the_first_subsumes_or_either() {
 #[test]
 fn xcs_is_paid_every_step_or_only_the_end() {
     let values = |xcs_payment| {
-        let reward = Params {
-            xcs_payment,
-            ..Params::default()
-        };
-        let mut xcs = method(Method::Xcs, plain(), reward);
+        let mut xcs = method(Method::Xcs, |setup| setup.reward.xcs_payment = xcs_payment);
         let way = [("00", BUMP), ("01", Outcome::ReachedGoal)];
         episode(&mut *xcs, &way, true);
         ["00", "01"].map(|bits| values(&*xcs, bits))
@@ -170,11 +155,9 @@ fn xcs_is_paid_every_step_or_only_the_end() {
 #[test]
 fn at_the_step_limit_xcs_learns_a_failure_or_nothing() {
     let values_after_a_failure = |xcs_step_limit| {
-        let reward = Params {
-            xcs_step_limit,
-            ..Params::default()
-        };
-        let mut xcs = method(Method::Xcs, plain(), reward);
+        let mut xcs = method(Method::Xcs, |setup| {
+            setup.reward.xcs_step_limit = xcs_step_limit;
+        });
         episode(&mut *xcs, &[("00", Outcome::Moved)], false);
         values(&*xcs, "00")
     };
@@ -189,11 +172,7 @@ fn a_failure_is_shared_out_like_a_success() {
         (Method::AdaptedDiscounted, [-45.0, -50.0]),
     ] {
         for (failure, part) in [(-50.0, 1.0), (0.0, 0.0)] {
-            let reward = Params {
-                failure,
-                ..Params::default()
-            };
-            let mut learner = method(name, plain(), reward);
+            let mut learner = method(name, |setup| setup.reward.failure = failure);
             let way = [("00", Outcome::Moved), ("01", Outcome::Moved)];
             episode(&mut *learner, &way, false);
             let found = ["00", "01"].map(|bits| values(&*learner, bits));
@@ -205,21 +184,15 @@ fn a_failure_is_shared_out_like_a_success() {
 #[test]
 fn the_ga_runs_in_each_step_or_after_the_episode() {
     let rules_before_and_after_the_end = |stack_evolution| {
-        let params = xcs::Params {
-            ga: true,
-            theta_ga: 0,
-            mu: 1.0,
-            ..plain()
-        };
-        let reward = Params {
-            stack_evolution,
-            ..Params::default()
-        };
-        let mut learner = method(Method::AdaptedEven, params, reward);
-        learner.observe(&percept("0101"));
-        learner.update(action(0), Outcome::Moved);
-        learner.observe(&percept("0101"));
-        learner.update(action(0), Outcome::Moved);
+        let mut learner = method(Method::AdaptedEven, |setup| {
+            setup.xcs.ga = true;
+            (setup.xcs.theta_ga, setup.xcs.mu) = (0, 1.0);
+            setup.reward.stack_evolution = stack_evolution;
+        });
+        for _ in 0..2 {
+            learner.observe(&percept("0101"));
+            learner.update(action(0), Outcome::Moved);
+        }
         let before = learner.rule_count();
         learner.end_episode(false);
         (before > 2, learner.rule_count() > before)

@@ -12,10 +12,12 @@ fn text(name: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap()
 }
 
-/// The pages about the published methods, without line breaks.
-fn pages() -> String {
+/// The pages about the published methods have these words, in one line or two.
+#[track_caller]
+fn assert_told(words: &str) {
     let pages = text("docs/src/results/replication.md") + &text("docs/src/results/baselines.md");
-    pages.replace('\n', " ")
+    let is_told = pages.replace('\n', " ").contains(words);
+    assert!(is_told, "the pages lack {words}");
 }
 
 fn results(name: &str) -> Value {
@@ -49,19 +51,17 @@ fn in_physics_the_paper_s_numbers_are_the_same() {
         arms(&summary).iter().map(of).collect::<Vec<_>>()
     };
     assert_eq!(figures("paper"), figures("paper-physics"));
-    let told = "With `--arena physics` the twelve numbers, and the steps, are the same";
-    assert!(pages().contains(told));
+    assert_told("With `--arena physics` the twelve numbers, and the steps, are the same");
 }
 
 #[test]
 fn what_the_pages_say_of_xcsam_is_in_the_results() {
     let summary = results("paper-xcsam");
-    let found: Vec<String> = arms(&summary)
+    let found = arms(&summary)
         .iter()
-        .map(|arm| arm["successes"].to_string())
-        .collect();
-    let told = format!("settings in {} of 100 trials", found.join(", "));
-    assert!(pages().contains(&told), "the pages lack {told}");
+        .map(|arm| arm["successes"].to_string());
+    let found: Vec<String> = found.collect();
+    assert_told(&format!("settings in {} of 100 trials", found.join(", ")));
 }
 
 const MECHANISMS: [&str; 4] = [
@@ -78,26 +78,24 @@ fn has(arm: &Value, mechanism: &str) -> bool {
 
 /// By mechanism, the points that it adds in a maze on average over all combinations of the others, and
 /// when it is added last.
-fn effects(summary: &Value, world: &str) -> Vec<(f64, f64)> {
-    let arms = || arms(summary).iter().filter(|arm| arm["world"] == world);
-    let points = |arm: &Value| arm["successes"].as_f64().unwrap();
-    let full = arms().find(|arm| MECHANISMS.iter().all(|name| has(arm, name)));
-    let effect = |name: &&str| {
-        let sum = |on| {
-            let some = arms().filter(|arm| has(arm, name) == on);
-            some.map(points).sum::<f64>()
-        };
-        let others = |arm: &&Value| {
-            let is_right = |other: &&str| has(arm, other) == (other != name);
-            MECHANISMS.iter().all(is_right)
-        };
-        let without = arms().find(others).unwrap();
-        (
-            (sum(true) - sum(false)) / 8.0,
-            points(full.unwrap()) - points(without),
-        )
+fn effects(summary: &Value, world: &str) -> [(f64, f64); 4] {
+    let arms: Vec<&Value> = arms(summary)
+        .iter()
+        .filter(|arm| arm["world"] == world)
+        .collect();
+    let points = |is_wanted: &dyn Fn(&Value) -> bool| {
+        let wanted = arms.iter().filter(|arm| is_wanted(arm));
+        wanted
+            .map(|arm| arm["successes"].as_f64().unwrap())
+            .sum::<f64>()
     };
-    MECHANISMS.iter().map(effect).collect()
+    let full = points(&|arm| MECHANISMS.iter().all(|name| has(arm, name)));
+    MECHANISMS.map(|name| {
+        let [on, off] = [true, false].map(|on| points(&|arm| has(arm, name) == on));
+        let is_other = |arm: &Value, other: &str| has(arm, other) == (other != name);
+        let without = points(&|arm| MECHANISMS.iter().all(|other| is_other(arm, other)));
+        ((on - off) / 8.0, full - without)
+    })
 }
 
 #[test]
@@ -105,23 +103,17 @@ fn what_the_mechanisms_contribute_is_in_the_results() {
     let summary = results("ablation");
     assert_eq!(arms(&summary).len(), 48);
     let by_maze = ["maze4", "maze5", "maze6"].map(|maze| effects(&summary, maze));
-    let span = |figures: &mut dyn Iterator<Item = f64>| {
-        let (low, high) = figures.fold((f64::MAX, f64::MIN), |(low, high), figure| {
-            (low.min(figure), high.max(figure))
-        });
-        format!("{:.0} to {:.0}", low.round(), high.round())
+    let span = |figures: Vec<f64>| {
+        let low = figures.iter().copied().fold(f64::MAX, f64::min).round();
+        let high = figures.iter().copied().fold(f64::MIN, f64::max).round();
+        format!("{low:.0} to {high:.0}")
     };
-    let three = by_maze.iter().flat_map(|maze| &maze[..3]);
-    let added = span(&mut three.map(|effect| effect.0));
+    let added = by_maze.iter().flat_map(|maze| &maze[..3]);
+    let added = span(added.map(|effect| effect.0).collect());
     let last = by_maze[1..].iter().flat_map(|maze| &maze[..3]);
-    let last = span(&mut last.map(|effect| effect.1));
-    let pages = pages();
-    for told in [
-        format!("short-term filter add {added} points each"),
-        format!("is still worth {last} points in Maze5 and Maze6"),
-    ] {
-        assert!(pages.contains(&told), "the pages lack {told}");
-    }
+    let last = span(last.map(|effect| effect.1).collect());
+    assert_told(&format!("short-term filter add {added} points each"));
+    assert_told(&format!("is still worth {last} points in Maze5 and Maze6"));
     assert!(by_maze.iter().all(|maze| maze[3].0.abs() < 2.0));
 }
 

@@ -2,94 +2,75 @@
 //!
 //! Sources: M. V. Butz and S. W. Wilson, "An algorithmic description of XCS" (2001) for the
 //! multiplexer; S. W. Wilson, "Classifier fitness based on accuracy" (1995) for Woods1; P. L.
-//! Lanzi, "An analysis of generalization in the XCS classifier system" (1999) for Maze4. One
-//! problem is one explore and one exploit trial. Seeds are fixed and margins wide.
+//! Lanzi, "An analysis of generalization in the XCS classifier system" (1999) for Maze4; Nakata,
+//! Lanzi and Takadama, "XCS with adaptive action mapping" (2012) for XCSAM. One problem is one
+//! explore and one exploit trial. Seeds are fixed and margins wide.
 
 use std::ops::ControlFlow;
 
-use crate::kit::trial::on_the_grid;
-use xcscr::agent::{self, Method};
-use xcscr::episode::{self, Episode, Learned, Observer};
+use xcscr::agent::Method;
+use xcscr::episode::{Episode, Learned, Observer};
 use xcscr::sensor::Sensor;
-use xcscr::streams::StreamName;
-use xcscr::trial::{Settings, Trial};
+use xcscr::trial::Trial;
 use xcscr::xcs::random::Stream;
-use xcscr::xcs::{self, MatchSet, Xcs};
-use xcscr::xcs::{Action, Percept};
+use xcscr::xcs::{self, Action, Environment, Percept, Response, Runner};
+
+use crate::learned::{gridded, with, world};
 
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 /// The 6-multiplexer: the first two bits address one of the other four, which is the answer.
 struct Multiplexer {
-    xcs: Xcs,
-    match_set: MatchSet,
     inputs: Stream,
+    input: Percept,
 }
 
-impl Multiplexer {
-    fn new(seed: u64) -> Self {
-        let params = xcs::Params {
-            population_size: 400,
-            dont_care: 0.33,
-            initial_prediction: 10.0,
-            ..xcs::Params::default()
-        };
-        params.check().unwrap();
-        Self {
-            xcs: Xcs::new(params, 2, Stream::new(seed, StreamName::Evolution)),
-            match_set: MatchSet::default(),
-            inputs: Stream::new(seed, StreamName::Start),
+impl Environment for Multiplexer {
+    fn actions(&self) -> usize {
+        2
+    }
+
+    fn begin(&mut self) -> Percept {
+        self.input = Percept::from_word(self.inputs.bits(), 6);
+        self.input
+    }
+
+    fn act(&mut self, action: Action) -> Response {
+        let address = 2 * usize::from(self.input.bit(0)) + usize::from(self.input.bit(1));
+        let is_right = action.index() == usize::from(self.input.bit(2 + address));
+        Response {
+            reward: if is_right { 1000.0 } else { 0.0 },
+            next: None,
         }
-    }
-
-    fn answer(input: &Percept) -> Action {
-        let address = 2 * usize::from(input.bit(0)) + usize::from(input.bit(1));
-        Action::new(usize::from(input.bit(2 + address))).unwrap()
-    }
-
-    /// One explore problem, learned, and one exploit problem: was it answered correctly?
-    fn problem(&mut self) -> bool {
-        let input = self.input();
-        self.xcs.form_match_set(&input, &mut self.match_set);
-        let guess = Action::new(self.inputs.below(2)).unwrap();
-        let set = self.match_set.action_set(guess).unwrap();
-        let reward = if guess == Self::answer(&input) {
-            1000.0
-        } else {
-            0.0
-        };
-        self.xcs.update(&set, reward, 0.2);
-        self.xcs.evolve(&set);
-        let input = self.input();
-        let values = self.xcs.values(&input);
-        values.best_actions().next() == Some(Self::answer(&input))
-    }
-
-    fn input(&mut self) -> Percept {
-        let bits = self.inputs.bits();
-        Percept::from_bits((0..6).map(|bit| bits >> bit & 1 == 1)).unwrap()
     }
 }
 
 #[test]
 fn the_6_multiplexer_is_learned_and_generalised() {
     for seed in SEEDS {
-        let mut multiplexer = Multiplexer::new(seed);
-        let correct: Vec<bool> = (0..6000).map(|_| multiplexer.problem()).collect();
-        let share = |problems: &[bool]| {
-            problems.iter().filter(|&&correct| correct).count() as f64 / problems.len() as f64
+        let params = xcs::Params {
+            population_size: 400,
+            dont_care: 0.33,
+            initial_prediction: 10.0,
+            ..xcs::Params::default()
         };
-        let rules = multiplexer.xcs.population().len();
+        let inputs = Stream::new(seed, 2_u64);
+        let input = Percept::from_word(0, 6);
+        let mut runner = Runner::new(Multiplexer { inputs, input }, params, seed).unwrap();
+        runner.agent.exploration = 1.0;
+        let problem = |_| {
+            runner.learn();
+            runner.test().reward > 0.0
+        };
+        let correct: Vec<bool> = (0..6000).map(problem).collect();
+        let share = |problems: &[bool]| {
+            let correct = problems.iter().filter(|&&correct| correct);
+            correct.count() as f64 / problems.len() as f64
+        };
+        let rules = runner.xcs().population().len();
         let found = (share(&correct[1500..2000]), share(&correct[3500..]), rules);
-        assert!(
-            found.0 >= 0.95,
-            "seed {seed}, problems 1501 to 2000: {found:?}"
-        );
-        assert!(
-            found.1 >= 0.99,
-            "seed {seed}, problems from 3501: {found:?}"
-        );
-        assert!(found.2 <= 60, "seed {seed}, rules: {found:?}");
+        let is_learned = found.0 >= 0.95 && found.1 >= 0.99 && rules <= 60;
+        assert!(is_learned, "seed {seed}: {found:?}");
     }
 }
 
@@ -117,36 +98,38 @@ struct Walked {
     others: f64,
 }
 
-/// Learns in a maze of `world` and a step limit, with the rewards of the literature.
-fn walk(world: (&str, u32), method: Method, xcs: xcs::Params, run: (u32, u64)) -> Walked {
-    let ((world, limit), (problems, seed)) = (world, run);
-    let reward = agent::Params {
-        goal: 1000.0,
-        step: 0.0,
-        collision: 0.0,
-        gamma: 0.71,
-        step_threshold: limit,
-        ..agent::Params::default()
-    };
-    let episode = episode::Params {
-        alternate: true,
-        ..episode::Params::default()
-    };
-    let settings = Settings {
-        xcs,
-        reward,
-        episode,
-        ..Settings::default()
-    };
-    let plan = on_the_grid(world, method).episodes(2 * problems);
-    let plan = plan.seed(seed).settings(settings);
+/// A maze, its step limit, the number of problems, the size of the population, and the share of
+/// don't-cares.
+type Problem = (&'static str, u32, u32, u32, f64);
+
+/// Learns in a maze with the parameters and rewards of the literature.
+fn walk(problem: Problem, method: Method, seed: u64) -> Walked {
+    let (name, limit, problems, population_size, dont_care) = problem;
+    let plan = gridded(world(name), method)
+        .episodes(2 * problems)
+        .seed(seed);
+    let plan = with(plan, |settings| {
+        settings.xcs.population_size = population_size;
+        settings.xcs.dont_care = dont_care;
+        settings.xcs.epsilon_0 = 1.0;
+        settings.xcs.ga_subsumption = false;
+        settings.xcs.action_set_subsumption = false;
+        settings.reward.goal = 1000.0;
+        settings.reward.step = 0.0;
+        settings.reward.collision = 0.0;
+        settings.reward.gamma = 0.71;
+        settings.reward.step_threshold = limit;
+        settings.episode.alternate = true;
+    });
     let mut exploits = Exploits::default();
     let mut trial = Trial::new(plan).unwrap();
     assert_eq!(trial.run(&mut exploits), ControlFlow::Continue(()));
-    assert_eq!(exploits.0.len(), problems as usize);
+    let steps = exploits.0;
+    assert_eq!(steps.len(), problems as usize);
+    let half = &steps[steps.len() / 2..];
     let (rules, others) = mapping(&trial);
     Walked {
-        steps: mean(&exploits.0[exploits.0.len() / 2..]),
+        steps: f64::from(half.iter().sum::<u32>()) / half.len() as f64,
         rules,
         others,
     }
@@ -175,80 +158,51 @@ fn mapping(trial: &Trial) -> (f64, f64) {
     (f64::from(rules) / f64::from(visited), share)
 }
 
-fn mean(steps: &[u32]) -> f64 {
-    f64::from(steps.iter().sum::<u32>()) / steps.len() as f64
-}
-
-/// The parameters of the classic mazes.
-fn classic(population_size: u32, dont_care: f64) -> xcs::Params {
-    xcs::Params {
-        population_size,
-        dont_care,
-        epsilon_0: 1.0,
-        ga_subsumption: false,
-        action_set_subsumption: false,
-        ..xcs::Params::default()
-    }
-}
-
 #[test]
-fn woods1_is_walked_in_the_fewest_steps() {
-    for method in [Method::Xcs, Method::Xcsam] {
+fn the_classic_mazes_are_walked_in_the_fewest_steps() {
+    let woods1 = ("woods1", 50, 2000, 800, 0.5);
+    let maze4 = ("maze4-classic", 50, 3000, 2000, 0.4);
+    // The shortest paths of Woods1 are 1.6875 steps long on average, and those of Maze4 3.5.
+    for (problem, method, most) in [
+        (woods1, Method::Xcs, 1.80),
+        (woods1, Method::Xcsam, 1.80),
+        (maze4, Method::Xcs, 3.75),
+    ] {
         for seed in SEEDS {
-            let found = walk(("woods1", 50), method, classic(800, 0.5), (2000, seed));
-            // The shortest paths of Woods1 are 1.6875 steps long on average.
-            assert!(found.steps <= 1.80, "{method:?}, seed {seed}: {found:?}");
+            let found = walk(problem, method, seed);
+            assert!(found.steps <= most, "{method:?}, seed {seed}: {found:?}");
         }
     }
 }
 
-#[test]
-fn maze4_is_walked_in_the_fewest_steps() {
+/// Runs `xcs` and `xcsam` with each seed, and compares what came of them.
+#[track_caller]
+fn assert_xcsam(problem: Problem, is_better: impl Fn(&Walked, &Walked) -> bool) {
     for seed in SEEDS {
-        let maze = ("maze4-classic", 50);
-        let found = walk(maze, Method::Xcs, classic(2000, 0.4), (3000, seed));
-        // The shortest paths of Maze4 are 3.5 steps long on average.
-        assert!(found.steps <= 3.75, "seed {seed}: {found:?}");
+        let [xcs, xcsam] = [Method::Xcs, Method::Xcsam].map(|method| walk(problem, method, seed));
+        assert!(is_better(&xcsam, &xcs), "seed {seed}: {xcs:?}, {xcsam:?}");
     }
 }
 
-/// The same run with the methods `xcs` and `xcsam`.
-fn both(world: (&str, u32), xcs: &xcs::Params, run: (u32, u64)) -> [Walked; 2] {
-    [Method::Xcs, Method::Xcsam].map(|method| walk(world, method, xcs.clone(), run))
-}
-
-// What Nakata, Lanzi and Takadama, "XCS with adaptive action mapping" (2012), claim of XCSAM: it
-// focuses on the best actions, and so a smaller population is enough.
+// What is claimed of XCSAM: it focuses on the best actions, and so a smaller population is enough.
 
 #[test]
 fn xcsam_spends_fewer_rules_on_other_actions_than_xcs() {
-    for seed in SEEDS {
-        let [xcs, xcsam] = both(("woods1", 50), &classic(800, 0.5), (1000, seed));
-        // Measured: 83 to 84 % and 69 to 73 %.
-        let (others, wanted) = (xcsam.others, xcs.others - 0.05);
-        assert!(others < wanted, "seed {seed}: {xcs:?}, {xcsam:?}");
-    }
+    // Measured: 83 to 84 % and 69 to 73 %.
+    assert_xcsam(("woods1", 50, 1000, 800, 0.5), |xcsam, xcs| {
+        xcsam.others < xcs.others - 0.05
+    });
 }
 
 #[test]
-fn xcsam_walks_woods1_with_a_population_too_small_for_xcs() {
-    for seed in SEEDS {
-        let [xcs, xcsam] = both(("woods1", 50), &classic(200, 0.5), (1000, seed));
-        // Measured: 2.3 to 2.4 steps and 1.8 to 1.9; 47 to 58 rules and 38 to 46.
-        let is_shorter = xcsam.steps < 2.1 && xcsam.steps < xcs.steps - 0.15;
-        let found = format!("seed {seed}: {xcs:?}, {xcsam:?}");
-        assert!(is_shorter && xcsam.rules < xcs.rules, "{found}");
-    }
-}
-
-#[test]
-fn xcsam_walks_maze4_from_a_fixed_start_with_a_population_too_small_for_xcs() {
-    for seed in SEEDS {
-        let [xcs, xcsam] = both(("maze4", 200), &classic(400, 0.1), (500, seed));
-        // The shortest path is 10 steps long. Measured: 107 to 128 steps and 20 to 23; 104 to 138
-        // rules and 21 to 25.
-        let is_shorter = xcsam.steps < 35.0 && xcsam.steps < xcs.steps / 2.0;
-        let found = format!("seed {seed}: {xcs:?}, {xcsam:?}");
-        assert!(is_shorter && xcsam.rules < xcs.rules / 2.0, "{found}");
-    }
+fn xcsam_walks_mazes_with_populations_too_small_for_xcs() {
+    // Measured: 2.3 to 2.4 steps and 1.8 to 1.9; 47 to 58 rules and 38 to 46.
+    assert_xcsam(("woods1", 50, 1000, 200, 0.5), |xcsam, xcs| {
+        xcsam.steps < 2.1 && xcsam.steps < xcs.steps - 0.15 && xcsam.rules < xcs.rules
+    });
+    // From a fixed start. The shortest path is 10 steps long. Measured: 107 to 128 steps and 20 to 23;
+    // 104 to 138 rules and 21 to 25.
+    assert_xcsam(("maze4", 200, 500, 400, 0.1), |xcsam, xcs| {
+        xcsam.steps < 35.0 && xcsam.steps < xcs.steps / 2.0 && xcsam.rules < xcs.rules / 2.0
+    });
 }

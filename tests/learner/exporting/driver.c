@@ -1,0 +1,131 @@
+/* Answers questions about an exported policy. A line has a letter and four hexadecimal numbers, the bits of
+ * doubles where they are lengths or cosines:
+ *     d PERCEPT               the action, -1 for none
+ *     c X Y                   the cell of a point
+ *     p COLUMN ROW            the middle of a cell
+ *     m COLUMN ROW            the percept in a cell of the map in the first argument
+ *     b X Y COSINE SINE       begins a scan at a pose
+ *     v X Y COSINE SINE       moves the robot
+ *     a COSINE SINE RANGE     adds a beam; the range is infinite if nothing came back
+ *     q                       the percept after the scan
+ *     r                       begins an episode
+ *     t PERCEPT BUMPED FOUND  the action and the likeliest state
+ *     o ACTION                another action is executed
+ *     s                       the sizes of the constants and of a tracker in bytes
+ */
+#include "policy.h"
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+static uint8_t look_up(void *user, uint16_t column, uint16_t row)
+{
+    const char letter = ((const char *)user)[row * XCSCR_COLUMNS + column];
+    return letter == '#' ? XCSCR_CELL_WALL : letter == 'G' ? XCSCR_CELL_GOAL : XCSCR_CELL_FREE;
+}
+
+static void show(const xcscr_word *percept)
+{
+    int bit;
+    for (bit = 0; bit < XCSCR_WORDS * XCSCR_WORD_BITS; bit++) {
+        putchar('0' + (percept[bit / XCSCR_WORD_BITS] >> (bit % XCSCR_WORD_BITS) & 1));
+    }
+    putchar('\n');
+}
+
+static double real(uint64_t bits)
+{
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static uint64_t bits(double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+int main(int count, char **arguments)
+{
+    static xcscr_word percept[XCSCR_WORDS];
+    char command;
+    uint64_t n[4];
+    uint16_t column;
+    uint16_t row;
+    double x;
+    double y;
+#if defined(XCSCR_SCAN_REACH)
+    static struct xcscr_scan scan;
+#endif
+#if defined(XCSCR_STATES)
+    static struct xcscr_tracker tracker;
+    int action;
+#else
+    int word;
+#endif
+    if (count != 2) {
+        return 1;
+    }
+    while (scanf(" %c %" SCNx64 " %" SCNx64 " %" SCNx64 " %" SCNx64, &command, n, n + 1, n + 2, n + 3) == 5) {
+        switch (command) {
+        case 'c':
+            if (xcscr_cell_from_pose(real(n[0]), real(n[1]), &column, &row)) {
+                printf("%u %u\n", (unsigned)column, (unsigned)row);
+            } else {
+                puts("outside");
+            }
+            break;
+        case 'p':
+            xcscr_pose_of_cell((uint16_t)n[0], (uint16_t)n[1], &x, &y);
+            printf("%016" PRIx64 " %016" PRIx64 "\n", bits(x), bits(y));
+            break;
+        case 'm':
+            xcscr_percept_from_map((uint16_t)n[0], (uint16_t)n[1], look_up, arguments[1], percept);
+            show(percept);
+            break;
+#if defined(XCSCR_SCAN_REACH)
+        case 'b':
+            xcscr_scan_begin(&scan, real(n[0]), real(n[1]), real(n[2]), real(n[3]));
+            break;
+        case 'v':
+            xcscr_scan_move(&scan, real(n[0]), real(n[1]), real(n[2]), real(n[3]));
+            break;
+        case 'a':
+            xcscr_scan_add(&scan, real(n[0]), real(n[1]), real(n[2]));
+            break;
+        case 'q':
+            xcscr_scan_percept(&scan, percept);
+            show(percept);
+            break;
+#endif
+#if defined(XCSCR_STATES)
+        case 'r':
+            xcscr_reset(&tracker);
+            break;
+        case 't':
+            action = xcscr_perceive(&tracker, (uint16_t)n[0], (int)n[1], (int)n[2]);
+            printf("%d %u\n", action, (unsigned)xcscr_likeliest(&tracker));
+            fflush(stdout);
+            break;
+        case 'o':
+            tracker.action = (int8_t)n[0];
+            break;
+        case 's':
+            printf("%d %d\n", (int)sizeof xcscr_states, (int)sizeof tracker);
+            break;
+#else
+        case 'd':
+            for (word = 0; word < XCSCR_WORDS; word++) {
+                percept[word] = (xcscr_word)(n[0] >> word * XCSCR_WORD_BITS);
+            }
+            printf("%d\n", xcscr_decide(percept));
+            break;
+#endif
+        default:
+            return 1;
+        }
+    }
+    return 0;
+}

@@ -1,0 +1,59 @@
+"""Answers the questions of `driver.c`, and one more: `w X Y HEADING RANGES...`, the percept from a whole scan."""
+
+import math
+import struct
+import sys
+
+import policy
+
+cells = sys.argv[1]
+states = {"#": policy.WALL, "G": policy.GOAL}
+scan = tracker = None
+
+
+def look_up(column, row):
+    return states.get(cells[row * policy.COLUMNS + column], policy.FREE)
+
+
+def show(percept):
+    print("".join(str(percept >> at & 1) for at in range(16)) if isinstance(percept, int) else percept)
+
+
+def real(number):
+    return struct.unpack("<d", struct.pack("<Q", number))[0]
+
+
+for line in sys.stdin:
+    command, *numbers = line.split()
+    n = [int(number, 16) for number in numbers]
+    x, y, cosine, sine, *ranges = map(real, n)
+    if command == "c":
+        cell = policy.cell_from_pose(x, y)
+        print("outside" if cell is None else "{} {}".format(*cell))
+    elif command == "p":
+        middle = policy.pose_of_cell(n[0], n[1])
+        print(*("{:016x}".format(*struct.unpack("<Q", struct.pack("<d", at))) for at in middle))
+    elif command == "m":
+        show(policy.percept_from_map(n[0], n[1], look_up))
+    elif command == "b":
+        scan = policy.Scan(x, y, cosine, sine)
+    elif command == "v":
+        scan.move(x, y, cosine, sine)
+    elif command == "a":
+        scan.add(x, y, cosine)
+    elif command == "q":
+        show(scan.percept())
+    elif command == "w":
+        ranges = [sine, *ranges]
+        show(policy.percept_from_scan(x, y, cosine, ranges, 0.0, 2.0 * math.pi / len(ranges)))
+    elif command == "r":
+        tracker = policy.Tracker()
+    elif command == "t":
+        action = tracker.perceive(n[0], n[1], n[2])
+        likeliest = tracker.likeliest()
+        print(-1 if action is None else action, 65535 if likeliest is None else likeliest, flush=True)
+    elif command == "o":
+        tracker.action = n[0]
+    else:
+        action = policy.decide("".join(str(n[0] >> at & 1) for at in range(len(policy.BITS))))
+        print(-1 if action is None else action)
