@@ -78,7 +78,7 @@ def paths_of(tree, depth=0):
 
 
 def smallest_of_dtcontrol(program, decisions):
-    """Returns leaves and conditions of dtControl's smallest tree."""
+    """Returns leaves and tests of dtControl's smallest tree."""
     with tempfile.TemporaryDirectory() as folder:
         rows = [[*percept, str(action)] for percept, actions in decisions for action in actions]
         lines = ["#PERMISSIVE", f"#BEGIN {len(decisions[0][0])} 1", *map(",".join, rows)]
@@ -110,9 +110,9 @@ def main():
     parser.add_argument("--trials", type=int, default=10)
     parser.add_argument("--dtcontrol")
     args = parser.parse_args()
-    head = "| world | percepts | rules | conditions of rules | leaves of CART | conditions of CART |"
+    head = "| world | percepts | rules | tests of rules | leaves of CART | tests of CART |"
     if args.dtcontrol:
-        head += " leaves of dtControl | conditions of dtControl |"
+        head += " leaves of dtControl | tests of dtControl |"
     print(f"{head}\n{'|---' * (head.count('|') - 1)}|")
     for world in args.worlds:
         sizes = [compare(args.xcscr, world, seed, args.dtcontrol) for seed in range(1, args.trials + 1)]

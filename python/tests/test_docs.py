@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [ROOT / "python/README.md", ROOT / "docs/src/tutorials/from-python.md"]
+PAGES = [ROOT / page for page in ["python/README.md", "docs/src/tutorials/from-python.md", "docs/src/reference/python.md"]]
 
 
 def blocks(page):

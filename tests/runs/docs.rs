@@ -1,6 +1,7 @@
 //! Every command that the pages show does what it says: those in blocks marked `sh` are run, page by
 //! page, in an empty folder with the worlds beside it; those in blocks marked `sh,parsed`, which
-//! would take too long or serve for ever, must be valid arguments.
+//! would take too long or serve for ever, must be valid arguments. Those in blocks marked
+//! `text,refused` follow a `$`, and must fail with the message below them.
 
 use std::fs;
 use std::path::Path;
@@ -8,29 +9,51 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-/// A command, and whether it is run.
+/// A command, and what must come of it.
 #[derive(Debug, PartialEq)]
 struct Shown {
     command: String,
-    run: bool,
+    end: End,
+}
+
+#[derive(Debug, PartialEq)]
+enum End {
+    /// It runs and succeeds.
+    Succeeds,
+    /// Its arguments are valid.
+    Parses,
+    /// It is refused with this message, in which `...` stands for any text.
+    Refused(String),
 }
 
 /// The commands of the program in the blocks of a page; `cargo run ... -- X` is `xcscr X`.
 fn shown(page: &str) -> Vec<Shown> {
-    let mut found = Vec::new();
+    let mut found: Vec<Shown> = Vec::new();
     let mut block: Option<&str> = None;
     for line in page.lines() {
         if let Some(kind) = line.strip_prefix("```") {
             block = block.is_none().then_some(kind);
             continue;
         }
-        let run = match block {
-            Some("sh") => true,
-            Some("sh,parsed") => false,
+        let (line, end) = match block {
+            Some("sh") => (line, End::Succeeds),
+            Some("sh,parsed") => (line, End::Parses),
+            Some("text,refused") => match line.strip_prefix("$ ") {
+                Some(line) => (line, End::Refused(String::new())),
+                None => {
+                    let last = found.last_mut().map(|shown| &mut shown.end);
+                    let Some(End::Refused(message)) = last else {
+                        panic!("a message without a command: {line}");
+                    };
+                    message.push_str(line);
+                    message.push('\n');
+                    continue;
+                }
+            },
             _ => continue,
         };
         if let Some(command) = of_the_program(line) {
-            found.push(Shown { command, run });
+            found.push(Shown { command, end });
         }
     }
     found
@@ -92,12 +115,12 @@ fn follow(file: &str) -> usize {
     let folder = folder();
     write_shown_studies(&page, folder.path());
     let commands = shown(&page);
-    for Shown { command, run } in &commands {
+    for Shown { command, end } in &commands {
         // Arguments are parsed from left to right, and `--help` ends it before anything is done.
         let without_comment = command.split(" #").next().unwrap();
-        let line = match run {
-            true => command.clone(),
-            false => format!("{without_comment} --help"),
+        let line = match end {
+            End::Succeeds | End::Refused(_) => command.clone(),
+            End::Parses => format!("{without_comment} --help"),
         };
         let Output {
             status,
@@ -106,12 +129,25 @@ fn follow(file: &str) -> usize {
         } = shell(&line, folder.path());
         let [stdout, stderr] =
             [stdout, stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
-        assert!(
-            status.success(),
-            "{file}: {line}: {status}\n{stdout}\n{stderr}"
-        );
+        let is_as_shown = match end {
+            End::Refused(message) => !status.success() && is_shown(&stderr, message),
+            End::Succeeds | End::Parses => status.success(),
+        };
+        assert!(is_as_shown, "{file}: {line}: {status}\n{stdout}\n{stderr}");
     }
     commands.len()
+}
+
+/// Returns whether a message is the shown one, whose lines may be wrapped.
+fn is_shown(message: &str, shown: &str) -> bool {
+    let [message, shown] =
+        [message, shown].map(|text| text.split_whitespace().collect::<Vec<_>>().join(" "));
+    let parts: Vec<&str> = shown.split("...").collect();
+    let mut rest = Some(&message[..]);
+    for part in &parts {
+        rest = rest.and_then(|rest| Some(rest.split_once(part)?.1));
+    }
+    message.starts_with(parts[0]) && rest == Some("")
 }
 
 /// All pages of the guide, as paths from `docs/src`.
@@ -163,13 +199,32 @@ fn every_page_is_in_the_summary() {
 #[test]
 fn control_blocks_and_commands_are_told_apart() {
     let page = "```sh\nxcscr a # b\ncargo run --release -- c\ncargo test\n```\nxcscr d\n\
-                ```sh,parsed\nxcscr e\n```\n```text\nxcscr f\n```\n";
-    let expected = [("xcscr a # b", true), ("xcscr c", true), ("xcscr e", false)];
-    let expected = expected.map(|(command, run)| Shown {
+                ```sh,parsed\nxcscr e\n```\n```text\nxcscr f\n```\n\
+                ```text,refused\n$ xcscr g\nerror:\nh\n```\n";
+    let expected = [
+        ("xcscr a # b", End::Succeeds),
+        ("xcscr c", End::Succeeds),
+        ("xcscr e", End::Parses),
+        ("xcscr g", End::Refused("error:\nh\n".to_owned())),
+    ];
+    let expected = expected.map(|(command, end)| Shown {
         command: command.to_owned(),
-        run,
+        end,
     });
     assert_eq!(shown(page), expected);
+}
+
+#[test]
+fn control_a_message_is_compared_whole() {
+    assert!(is_shown("error: a (1) b\n", "error: a\n(...) b"));
+    for other in [
+        "error: a (...) c",
+        "error: a",
+        "a (...) b",
+        "error: a (...) b c",
+    ] {
+        assert!(!is_shown("error: a (1) b\n", other), "{other}");
+    }
 }
 
 #[test]
