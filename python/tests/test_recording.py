@@ -75,6 +75,41 @@ def test_modes_choose_the_episodes(tmp_path):
         record(tmp_path / "bad", record="some", arena="grid")
 
 
+@pytest.mark.parametrize("mode", list(gymnasium.vector.AutoresetMode))
+@pytest.mark.parametrize("arguments", [{"arena": "grid", "slip": 0.2}, {"arena": "physics", "noise": 2.0}])
+def test_each_environment_of_a_vector_is_recorded_as_if_it_were_alone(mode, arguments, tmp_path):
+    given = {"max_steps": 8, **arguments}
+    make = lambda: gymnasium.make_vec(
+        "xcscr/Maze4-v0", num_envs=3, vectorization_mode="vector_entry_point", autoreset_mode=mode, **given
+    )
+    env = xcscr.RecordVector(make(), tmp_path / "many")
+    env.reset(seed=1)
+    rng, done, taken = np.random.default_rng(1), np.zeros(3, bool), []
+    for _ in range(20):
+        if mode == gymnasium.vector.AutoresetMode.DISABLED and done.any():
+            env.reset(options={"reset_mask": done})
+        actions = rng.integers(0, 4, 3)
+        # In the step after an episode, NEXT_STEP resets and does not act.
+        if not (mode == gymnasium.vector.AutoresetMode.NEXT_STEP and done[1]):
+            taken.append(actions[1])
+        _, _, terminated, truncated, _ = env.step(actions)
+        done = terminated | truncated
+    env.close()
+    alone = xcscr.Record(gymnasium.make("xcscr/Maze4-v0", **given), tmp_path / "one")
+    alone.reset(seed=2)
+    for at, action in enumerate(taken):
+        *_, terminated, truncated, _ = alone.step(action)
+        if (terminated or truncated) and at + 1 < len(taken):
+            alone.reset()
+    alone.close()
+    for lane in range(3):
+        for file in sorted((tmp_path / f"many/env-{lane}").glob("*.mcap")):
+            assert xcscr.verify_recording(file) is None, file
+    read = lambda name: (tmp_path / name / "run.mcap").read_bytes()
+    assert read("many/env-1") == read("one")
+    assert read("many/env-0") != read("one"), "control"
+
+
 def test_what_cannot_be_recorded_is_refused(tmp_path):
     (tmp_path / "full").mkdir()
     (tmp_path / "full/notes.txt").write_text("mine")
@@ -83,6 +118,8 @@ def test_what_cannot_be_recorded_is_refused(tmp_path):
         xcscr.Record(maze(), tmp_path / "full")
     with pytest.raises(ValueError, match="only the environments"):
         xcscr.Record(gymnasium.make("xcscr/Wheels-v0"), tmp_path / "wheels")
+    with pytest.raises(ValueError, match="only vector environments"):
+        xcscr.RecordVector(gymnasium.make_vec("CartPole-v1"), tmp_path / "poles")
     env = xcscr.Record(maze(), tmp_path / "run")
     with pytest.raises(ValueError, match="one world"):
         env.reset(options={"goal": (1, 1)})

@@ -14,7 +14,7 @@ from ._native import bundled_worlds, methods, sensors, verify_recording
 from .envs import MazeEnv
 from .learning import Result, Rule, train
 from .parameters import Parameters
-from .recording import Record
+from .recording import Record, RecordVector
 from .studies import Study, study
 from .vector import MazeVectorEnv
 from .wheels import WheelsEnv
@@ -28,6 +28,7 @@ __all__ = [
     "MazeVectorEnv",
     "Parameters",
     "Record",
+    "RecordVector",
     "Result",
     "Rule",
     "Study",

@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import Any, SupportsFloat
 
 import gymnasium
+import gymnasium.vector
 import numpy as np
 
 from ._native import Recording
 from .envs import MazeEnv
+from .vector import History, MazeVectorEnv
 
 
 class Record(gymnasium.Wrapper[np.ndarray, np.int64, np.ndarray, np.int64]):
@@ -62,6 +64,53 @@ class Record(gymnasium.Wrapper[np.ndarray, np.int64, np.ndarray, np.int64]):
         rewards, self._rewards = self._rewards, None
         if rewards and self._maze._history is not None:
             noise, start, actions = self._maze._history
-            end = self._recording.episode(noise, start, actions, rewards)
-            if end != self._maze._robot.pose:
-                raise RuntimeError(f"the recorded episode ends at {end}, not at {self._maze._robot.pose}; please report this")
+            _record(self._recording, (noise, start, actions, rewards), self._maze._robot.pose)
+
+
+class RecordVector(gymnasium.vector.VectorWrapper):
+    """Records each environment of a vector environment of mazes in a folder of its own, as `Record` does.
+
+    - `env`: one of the environments `xcscr/<Maze>-v0`, made by `gymnasium.make_vec`
+    - `folder`: missing or empty; environment 3 is recorded in its folder `env-3`
+    - `record`: as in `Record`
+
+    An episode is written when the environment is reset after it, or closed. Call `close` at the end.
+    """
+
+    def __init__(self, env: gymnasium.vector.VectorEnv[Any, Any, Any], folder: str | Path, record: str = "all") -> None:
+        super().__init__(env)
+        mazes = env.unwrapped
+        if not isinstance(mazes, MazeVectorEnv):
+            raise ValueError(f"cannot record {mazes}: only vector environments of xcscr/<Maze>-v0 are recorded")
+        if mazes._begun.any():
+            raise ValueError("the environment has been reset already: record it from its first episode")
+        self._mazes = mazes
+        folders = [str(Path(folder) / f"env-{lane}") for lane in range(mazes.num_envs)]
+        self._recordings = [Recording(mazes._given, each, record) for each in folders]
+        mazes._recorder = self._write
+
+    def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        if "goal" in (options or {}):
+            raise ValueError("a recording has one world: wrap another environment for another goal")
+        return self.env.reset(seed=seed, options=options)
+
+    def close(self, **kwargs: Any) -> None:
+        """Writes the last episodes, and finishes the recordings."""
+        try:
+            for lane in range(self._mazes.num_envs):
+                self._mazes._finish(lane)
+            for recording in self._recordings:
+                recording.close()
+        finally:
+            self._mazes._recorder = None
+            super().close(**kwargs)
+
+    def _write(self, lane: int, history: History, pose: tuple[float, ...]) -> None:
+        _record(self._recordings[lane], history, pose)
+
+
+def _record(recording: Recording, history: History, pose: tuple[float, ...]) -> None:
+    """Records an episode. The recorder repeats it, and must end at the same pose."""
+    end = recording.episode(*history)
+    if end != pose:
+        raise RuntimeError(f"the recorded episode ends at {end}, not at {pose}; please report this")

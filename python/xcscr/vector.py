@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -12,6 +13,10 @@ from gymnasium.vector.utils import batch_space
 from ._native import Robot, Robots
 from .choice import choice, with_goal
 from .envs import MazeEnv
+
+#: The noise seed, the start, the actions and the rewards of an episode.
+History = tuple[int, tuple[int, int], list[int], list[float]]
+Recorder = Callable[[int, History, tuple[float, ...]], None]
 
 OUTCOMES = np.array(["moved", "found-reward", "collided", "stalled", "reached-goal"])
 COLLIDED, REACHED_GOAL, RESTS = 2, 4, 255
@@ -69,6 +74,8 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self._bits, self._actions = one.percept_bits, one.actions
+        self._recorder: Recorder | None = None
+        self._histories: list[History | None] = [None] * num_envs
         self._draws = [np.random.default_rng() for _ in range(num_envs)]
         self._steps = np.zeros(num_envs, np.int64)
         self._done = np.zeros(num_envs, np.bool_)
@@ -111,6 +118,9 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             noises.append(int(draws.integers(2**63)))
             cell = self._starts[int(draws.integers(len(self._starts)))] if start is None else start
             starts.append((int(cell[0]), int(cell[1])))
+            if self._recorder is not None:
+                self._finish(int(lane))
+                self._histories[lane] = (noises[-1], starts[-1], [], [])
         self._robots.reset(lanes.tolist(), noises, starts)
         self._steps[lanes] = 0
         self._done[lanes] = False
@@ -133,6 +143,8 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         goal, each, collision = self._rewards
         rewards = np.array(found) + np.where(outcome == REACHED_GOAL, goal, each) + np.where(outcome == COLLIDED, collision, 0.0)
         rewards[over] = 0.0
+        if self._recorder is not None:
+            self._note(actions, rewards, acted)
         terminations = outcome == REACHED_GOAL
         truncations = acted & ~terminations & (self._steps >= self._max_steps)
         if over.any():
@@ -144,6 +156,21 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         if self._mode == AutoresetMode.SAME_STEP and self._done.any():
             infos, observations = self._after_end(infos, observations)
         return observations, rewards, terminations, truncations, infos
+
+    def _note(self, actions: np.ndarray, rewards: np.ndarray, acted: np.ndarray) -> None:
+        """Adds a step to the histories of the environments that acted."""
+        for lane in np.flatnonzero(acted):
+            history = self._histories[lane]
+            if history is not None:
+                history[2].append(int(actions[lane]))
+                history[3].append(float(rewards[lane]))
+
+    def _finish(self, lane: int) -> None:
+        """Passes the episode of an environment to the recorder, with the pose at its end."""
+        history, self._histories[lane] = self._histories[lane], None
+        if history is not None and history[2] and self._recorder is not None:
+            pose = np.frombuffer(self._robots.facts(), np.float64).reshape(self.num_envs, -1)[lane, 2:5]
+            self._recorder(lane, history, tuple(pose.tolist()))
 
     def _after_end(self, infos: dict[str, Any], observations: np.ndarray) -> tuple[dict[str, Any], np.ndarray]:
         """Resets the finished environments and stores their final observations and infos."""
