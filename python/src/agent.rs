@@ -1,11 +1,13 @@
-//! XCS for Python environments and tables.
+//! XCS and `xcscr-plus` for Python environments and tables.
 
 use pyo3::prelude::*;
 use xcs::bounds::OutOfRange;
 use xcs::random::Stream;
 use xcs::{
-    Action, Condition, IntervalSettings, Intervals, Params, Percept, RealPercept, Representation,
+    Action, Condition, IntervalSettings, Intervals, Params, Percept, Population, RealPercept,
+    Representation,
 };
+use xcscr_learner::agent::{EnvironmentLearner, EnvironmentParams};
 
 use crate::plan::invalid;
 
@@ -15,14 +17,16 @@ const TRIALS_AT_ONCE: u64 = 1000;
 const ROWS_STREAM: u64 = 2;
 /// The reward of a right answer. A wrong answer gets 0.
 const RIGHT: f64 = 1000.0;
+/// The fault of a state that cannot be restored.
+pub const REFUSED: &str = "the state is damaged, or from a learner with other arguments";
 
 /// The attributes tested by a condition, each with its lower and upper bound.
-type Tests = Vec<(usize, f64, f64)>;
+pub type Tests = Vec<(usize, f64, f64)>;
 /// Tests, action, prediction, error, fitness, numerosity, experience, set size, time stamp.
-type Rule = (Tests, usize, f64, f64, f64, u32, u32, f64, u64);
+pub type Rule = (Tests, usize, f64, f64, f64, u32, u32, f64, u64);
 
 /// A representation with conversions for Python. Percepts are arrays of numbers.
-trait Numeric: Representation {
+pub trait Numeric: Representation {
     fn percept(values: &[f64]) -> Result<Self::Percept, String>;
     fn tests(&self) -> Tests;
 }
@@ -55,7 +59,7 @@ impl Numeric for Intervals {
 }
 
 /// A learner with any representation.
-trait Learner: Send + Sync {
+pub trait Learner: Send + Sync {
     fn act(&mut self, values: &[f64], explores: bool) -> Result<Option<Action>, String>;
     fn take(&mut self, values: &[f64], action: Action) -> Result<(), String>;
     fn update(&mut self, reward: f64, next: Option<&[f64]>) -> Result<(), String>;
@@ -66,6 +70,26 @@ trait Learner: Send + Sync {
     fn micro(&self) -> u32;
     fn state(&self) -> Result<Vec<u8>, String>;
     fn restore(&mut self, state: &[u8], width: usize) -> Result<(), String>;
+}
+
+/// Converts the rules of a population.
+pub fn rules_of<C: Numeric>(population: &Population<C>) -> Vec<Rule> {
+    let rules = population.rules().iter();
+    rules
+        .map(|rule| {
+            (
+                rule.condition.tests(),
+                rule.action.index(),
+                rule.prediction,
+                rule.error,
+                rule.fitness,
+                rule.numerosity,
+                rule.experience,
+                rule.set_size,
+                rule.time_stamp,
+            )
+        })
+        .collect()
 }
 
 impl<C> Learner for xcs::Agent<C>
@@ -103,22 +127,7 @@ where
     }
 
     fn rules(&self) -> Vec<Rule> {
-        let rules = self.xcs().population().rules().iter();
-        rules
-            .map(|rule| {
-                (
-                    rule.condition.tests(),
-                    rule.action.index(),
-                    rule.prediction,
-                    rule.error,
-                    rule.fitness,
-                    rule.numerosity,
-                    rule.experience,
-                    rule.set_size,
-                    rule.time_stamp,
-                )
-            })
-            .collect()
+        rules_of(self.xcs().population())
     }
 
     fn micro(&self) -> u32 {
@@ -130,8 +139,7 @@ where
     }
 
     fn restore(&mut self, state: &[u8], width: usize) -> Result<(), String> {
-        let refused = "the state is damaged, or from a learner with other arguments";
-        let state = postcard::from_bytes(state).map_err(|_| refused)?;
+        let state = postcard::from_bytes(state).map_err(|_| REFUSED)?;
         let mut restored = self.clone();
         let fits = restored.restore(state)
             && (restored.xcs().population().rules().iter())
@@ -139,11 +147,11 @@ where
         if fits {
             *self = restored;
         }
-        fits.then_some(()).ok_or_else(|| refused.into())
+        fits.then_some(()).ok_or_else(|| REFUSED.into())
     }
 }
 
-/// XCS with ternary or interval conditions. Percepts are bytes: eight-byte floats in native byte
+/// XCS with ternary or interval conditions, or `xcscr-plus`. Percepts are bytes: eight-byte floats in native byte
 /// order.
 #[pyclass(module = "xcscr._native")]
 pub struct Agent {
@@ -254,6 +262,19 @@ impl Agent {
         };
         Ok(Self {
             learner,
+            width,
+            actions,
+        })
+    }
+
+    /// Creates `xcscr-plus` for percepts of bits.
+    #[staticmethod]
+    fn plus(width: usize, actions: usize, params: &str, seed: u64) -> PyResult<Self> {
+        let params: EnvironmentParams = settings(params)?;
+        xcs::bounds::within("n_bits", width, 1..=xcs::MAX_PERCEPT_BITS).map_err(out_of_range)?;
+        let learner = EnvironmentLearner::new(params, actions, seed).map_err(out_of_range)?;
+        Ok(Self {
+            learner: Box::new(learner),
             width,
             actions,
         })

@@ -3,6 +3,7 @@
 mod agent;
 mod external;
 mod plan;
+mod plus;
 mod recording;
 mod robot;
 mod robots;

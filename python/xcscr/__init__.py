@@ -14,11 +14,13 @@ from ._native import bundled_worlds, methods, sensors, verify_recording
 from .envs import MazeEnv
 from .learning import Result, Rule, train
 from .parameters import Parameters
+from .plus import Plus
 from .recording import Record, RecordVector
+from .rules import XCSRule
 from .studies import Study, study
 from .vector import MazeVectorEnv
 from .wheels import WheelsEnv
-from .xcs import XCS, XCSRule
+from .xcs import XCS
 
 if TYPE_CHECKING:
     from .classifier import XCSClassifier as XCSClassifier
@@ -27,6 +29,7 @@ __all__ = [
     "MazeEnv",
     "MazeVectorEnv",
     "Parameters",
+    "Plus",
     "Record",
     "RecordVector",
     "Result",

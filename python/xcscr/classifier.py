@@ -9,7 +9,7 @@ import numpy
 from ._native import Agent
 from .parameters import as_json, plain
 from .percepts import Reals, named
-from .xcs import XCSRule, frame_of, rules_of
+from .rules import XCSRule, frame_of, rules_of
 
 try:
     from sklearn.base import BaseEstimator, ClassifierMixin  # type: ignore[import-untyped]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +12,8 @@ from gymnasium import spaces
 
 Tests = Sequence[tuple[int, float, float]]
 
-#: A discrete variable with at most this many values gets one bit per value; a larger one is binary coded.
+#: A discrete variable with at most this many values gets one bit per value, or one bit for two values. A larger one is
+#: binary coded.
 MOST_ONE_HOT = 64
 
 
@@ -50,14 +52,12 @@ class States:
         return sum(map(_bits_of, self.counts))
 
     def rows(self, observations: Any) -> Any:
-        numbers = numpy.asarray(observations).reshape(-1, len(self.counts)) - numpy.array(self.starts)
+        numbers = _flat(observations).reshape(-1, len(self.counts)).astype(int) - numpy.array(self.starts)
         if (numbers < 0).any() or (numbers >= numpy.array(self.counts)).any():
             raise ValueError("a discrete percept is outside of its space")
-        columns = []
-        for count, column in zip(self.counts, numbers.T, strict=True):
-            bits = numpy.arange(_bits_of(count))
-            columns.append(column[:, None] == bits if count <= MOST_ONE_HOT else column[:, None] >> bits & 1)
-        return numpy.concatenate(columns, axis=1).astype(float)
+        variables, values, is_one_hot = _layout(self.counts)
+        of_bits = numbers[:, variables]
+        return numpy.where(is_one_hot, of_bits == values, of_bits >> values & 1).astype(float)
 
     def words(self, tests: Tests) -> str:
         return " and ".join(self._word(at, _bit(lower)) for at, lower, upper in tests)
@@ -65,8 +65,9 @@ class States:
     def _word(self, at: int, value: int) -> str:
         for count, start, name in zip(self.counts, self.starts, self.names, strict=True):
             if at < _bits_of(count):
-                one_hot = f"{name} {'=' if value else '!='} {at + start}"
-                return one_hot if count <= MOST_ONE_HOT else f"bit {at} of {name} = {value}"
+                if _is_one_hot(count):
+                    return f"{name} {'=' if value else '!='} {at + start}"
+                return f"{name} = {value + start}" if count <= 2 else f"bit {at} of {name} = {value}"
             at -= _bits_of(count)
         raise IndexError(at)
 
@@ -113,8 +114,30 @@ def _bit(lower: float) -> int:
     return int(lower > 0.0)
 
 
+def _is_one_hot(count: int) -> bool:
+    return 2 < count <= MOST_ONE_HOT
+
+
 def _bits_of(count: int) -> int:
-    return count if count <= MOST_ONE_HOT else (count - 1).bit_length()
+    return count if _is_one_hot(count) else max((count - 1).bit_length(), 1)
+
+
+@functools.lru_cache
+def _layout(counts: tuple[int, ...]) -> tuple[Any, Any, Any]:
+    """Returns for each bit its variable, its value or its place in a binary code, and which of them it is."""
+    widths = [_bits_of(count) for count in counts]
+    variables = numpy.repeat(numpy.arange(len(counts)), widths)
+    values = numpy.concatenate([numpy.arange(width) for width in widths])
+    return variables, values, numpy.repeat([_is_one_hot(count) for count in counts], widths)
+
+
+def _flat(observation: Any) -> Any:
+    """Returns the numbers of an observation as an array. The parts of a Dict are sorted by key."""
+    if isinstance(observation, Mapping):
+        observation = tuple(observation[key] for key in sorted(observation))
+    if isinstance(observation, tuple):
+        return numpy.concatenate([numpy.zeros(0, int), *map(_flat, observation)])
+    return numpy.ravel(observation)
 
 
 def named(names: Sequence[str] | None, count: int, stem: str) -> tuple[str, ...]:
@@ -132,15 +155,58 @@ def of_space(
     """Returns the conversion for an observation space of Gymnasium."""
     if isinstance(space, spaces.MultiBinary):
         return Bits(named(names, int(numpy.prod(space.shape)), "bit"))
-    if isinstance(space, spaces.Discrete):
-        return States((int(space.n),), (int(space.start),), named(names or ["state"], 1, "state"))
-    if isinstance(space, spaces.MultiDiscrete):
-        counts, starts = space.nvec.ravel(), space.start.ravel()
-        names = named(names, counts.size, "x")
-        return States(tuple(map(int, counts)), tuple(map(int, starts)), names)
     if isinstance(space, spaces.Box):
         count = int(numpy.prod(space.shape))
         low, high = (space.low if low is None else low), (space.high if high is None else high)
         ends = [tuple(map(float, numpy.broadcast_to(numpy.ravel(end), count))) for end in (low, high)]
         return Reals(ends[0], ends[1], named(names, count, "x"))
-    raise TypeError(f"{space} is not supported: use Discrete, MultiDiscrete, MultiBinary or Box")
+    return states_of(space, names)
+
+
+def states_of(space: Any, names: Sequence[str] | None = None) -> States:
+    """Returns the conversion for a discrete observation space, in which a Box of integers counts as discrete."""
+    variables = _variables(space, "")
+    own = [name for name, _, _ in variables]
+    return States(
+        tuple(count for _, count, _ in variables),
+        tuple(start for _, _, start in variables),
+        named(own if names is None else names, len(own), "x"),
+    )
+
+
+def _variables(space: Any, name: str) -> list[tuple[str, int, int]]:
+    """Returns name, number of values and least value of each variable, in the order of `_flat`."""
+    if isinstance(space, spaces.Discrete):
+        return [(name or "state", int(space.n), int(space.start))]
+    if isinstance(space, spaces.Dict):
+        parts = sorted(space.spaces.items())
+        return [each for key, part in parts for each in _variables(part, f"{name}.{key}" if name else str(key))]
+    if isinstance(space, spaces.Tuple):
+        return [each for at, part in enumerate(space.spaces) for each in _variables(part, f"{name or 'x'}{at}")]
+    if isinstance(space, spaces.MultiDiscrete):
+        counts, starts = space.nvec, space.start
+    elif isinstance(space, spaces.MultiBinary):
+        counts, starts = numpy.full(space.shape, 2), numpy.zeros(space.shape, int)
+    elif isinstance(space, spaces.Box) and numpy.issubdtype(space.dtype, numpy.integer):
+        starts = space.low.astype(int)
+        counts = space.high.astype(int) - starts + 1
+        if (counts < 1).any() or (counts > 1 << 31).any():
+            raise TypeError(f"{space} is not supported: its numbers have too many values")
+    else:
+        raise TypeError(
+            f"{space} is not supported: use Discrete, MultiDiscrete, MultiBinary, Box, or a Dict or Tuple of these "
+            "with integers"
+        )
+    indices = list(numpy.ndindex(counts.shape))
+    names = [_indexed(name or "x", index) for index in indices]
+    return [
+        (each, int(count), int(start))
+        for each, count, start in zip(names, counts.ravel(), starts.ravel(), strict=True)
+    ]
+
+
+def _indexed(name: str, index: tuple[int, ...]) -> str:
+    """Returns `x3`, or `image[2,0]` for several dimensions."""
+    if len(index) > 1:
+        return f"{name}[{','.join(map(str, index))}]"
+    return name + "".join(map(str, index))

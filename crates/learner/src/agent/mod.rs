@@ -2,12 +2,14 @@
 //!
 //! [`Method`] is the closed set of agents, by their names on the command line. `credit/` has standard XCS and the
 //! paper's mechanisms, one file each. `xcscr-plus` and `r-max` are compositions (`composed`) of a state estimator, a
-//! model (`model/`), a planner and a policy (`policy/`). `tabular/` has the baselines with a table. All reward
+//! model (`model/`), a planner and a policy (`policy/`). [`EnvironmentLearner`] is `xcscr-plus` on any environment with
+//! discrete percepts. `tabular/` has the baselines with a table. All reward
 //! numbers are defined here.
 
 mod choice;
 mod composed;
 mod credit;
+mod environment_learner;
 mod estimator;
 mod explorer;
 mod frozen;
@@ -27,6 +29,7 @@ mod tabular;
 
 pub use choice::{Choice, Chooser, Chosen};
 use credit::{Combined, Standard};
+pub use environment_learner::{EnvironmentLearner, EnvironmentParams};
 pub use estimator::map::{
     BEGUN_ELSEWHERE, CONTEXT_BITS, MISLOCALISED, Map, MapParams, MotionPrior, PERCEPT_BITS,
 };

@@ -8,7 +8,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::agent::model::ReturnRule;
-use crate::agent::model::return_rules::{Counts, ReturnRules};
+use crate::agent::model::return_rules::ReturnRules;
 use crate::agent::model::transitions::Transitions;
 use crate::agent::params::Params;
 use xcs::LabelledExample;
@@ -23,6 +23,11 @@ const NEGLIGIBLE_ODDS: f64 = 1e-5;
 /// The same if moves slip and all values depend on each other. With 1e-9 a step takes 1.5 times as long in 40 x 40
 /// rooms.
 const NEGLIGIBLE_SLIPPING: f64 = 1e-7;
+/// Optimistic values are at most this share of the value of an unknown pair too great. Without a limit,
+/// those of cycles would fall forever.
+const NEGLIGIBLE_OPTIMISM: f64 = 1e-5;
+/// The same if results vary, and all values depend on each other.
+const NEGLIGIBLE_OPTIMISM_IF_VARYING: f64 = 1e-3;
 /// Actions whose values differ by less than this share are equally good.
 const TIE: f64 = 1e-7;
 /// The maximum discount; above it values would have no floor.
@@ -41,14 +46,13 @@ const MOST_ENTRIES: usize = 4;
 /// By percept: the pairs that led to it.
 pub(in crate::agent) type Before = Vec<Vec<(usize, Action)>>;
 
-/// The number of updates allowed, and the percepts that wait for an update, each with the bits of
-/// the value that it is queued with.
-type Waiting = (usize, Vec<(u64, Reverse<usize>)>);
-
 /// The value of each percept under the best policy over known pairs, by prioritised sweeping (Moore and Atkeson
 /// 1993). A change propagates backward, greatest values first, and only to values that depend on it. Known pairs are
 /// the tried pairs and, until they are tried, the predicted returns of moves. Exploration does not try predicted
 /// returns, so the examples must rely on them.
+///
+/// With a value for unknown pairs, the values are optimistic: upper bounds, for exploration (R-max, Brafman and
+/// Tennenholtz 2002).
 ///
 /// Values are relative to the value of walking for ever, `step / (1 - gamma)`. A value is then
 /// `gamma` to the power of the steps to the goal, times a constant. It stays exact thousands of
@@ -58,6 +62,8 @@ pub(in crate::agent) struct PlannedValues {
     actions: usize,
     gamma: f64,
     step: f64,
+    /// The value of an unknown pair above the floor; `None` if plans use known pairs only.
+    unknown: Option<f64>,
     /// By the number of the percept.
     values: Vec<f64>,
     before: Before,
@@ -78,6 +84,7 @@ impl PlannedValues {
             actions,
             gamma: params.gamma.min(GREATEST_DISCOUNT),
             step: params.step,
+            unknown: None,
             values: Vec::new(),
             before: Vec::new(),
             returns: ReturnRules::new(actions),
@@ -88,56 +95,43 @@ impl PlannedValues {
         }
     }
 
+    /// Sets the reward of a step, and the value of unknown pairs above the floor. With a value, all values are
+    /// optimistic.
+    pub fn assume(&mut self, step: f64, unknown: Option<f64>) {
+        (self.step, self.unknown) = (step, unknown);
+    }
+
+    /// Computes all values anew.
+    pub fn restart(&mut self, memory: &Transitions) {
+        self.values.fill(self.unknown.unwrap_or(0.0));
+        self.updates = self.updates.max(FIRST_UPDATES);
+        (0..self.values.len()).for_each(|percept| self.push(percept, self.values[percept]));
+        self.propagate(memory, usize::MAX, NEGLIGIBLE);
+    }
+
+    /// Continues with waiting updates.
+    pub fn settle(&mut self, memory: &Transitions) {
+        self.updates = self.updates.saturating_add(UPDATES_PER_STEP);
+        let negligible = match memory.required_tries() {
+            1 => NEGLIGIBLE,
+            _ => NEGLIGIBLE_ODDS,
+        };
+        self.propagate(memory, UPDATES_FOR_ODDS, negligible);
+    }
+
+    /// Makes room for the values of new percepts.
+    pub fn meet(&mut self, memory: &Transitions) {
+        let met = memory.percepts().len();
+        self.values.resize(met, self.unknown.unwrap_or(0.0));
+        self.before.resize(met, Vec::new());
+        self.stale.resize(met, false);
+    }
+
     /// Recomputes all values after the slip probability changed.
     pub fn reconsider(&mut self, memory: &Transitions) {
         self.returns.allow(memory.slips());
         (0..self.values.len()).for_each(|percept| self.push(percept, self.values[percept]));
         self.propagate(memory, usize::MAX, NEGLIGIBLE_SLIPPING);
-    }
-
-    /// Returns the learned state: the values, the updates allowed and waiting, the predecessors of
-    /// each percept, and the counts of the return rules.
-    pub fn kept(&self) -> (&[f64], Waiting, &Before, Counts) {
-        let queue = self.queue.clone().into_sorted_vec();
-        let waiting = (self.updates, queue);
-        (&self.values, waiting, &self.before, self.returns.kept())
-    }
-
-    /// Resumes from a learned state; `false` if the state does not fit the percepts of `memory`, or a count is out of
-    /// range.
-    pub fn resume(
-        &mut self,
-        (values, waiting, before, returns): (Vec<f64>, Waiting, Before, Counts),
-        memory: &Transitions,
-    ) -> bool {
-        let known = values.len();
-        (self.values, self.before) = (values, before);
-        self.stale = vec![false; known];
-        let met = memory.percepts().len();
-        let mut pairs = self.before.iter().flatten();
-        self.returns.allow(memory.slips());
-        self.returns.resume(returns)
-            && known <= met
-            && self.before.len() == known
-            && self
-                .values
-                .iter()
-                .all(|value| value.is_finite() && *value >= 0.0)
-            && pairs.all(|&(percept, action)| percept < known && action.index() < self.actions)
-            && self.resume_waiting(waiting)
-    }
-
-    /// Resumes the waiting updates; `false` if a percept is unknown or waits twice.
-    fn resume_waiting(&mut self, (updates, queue): Waiting) -> bool {
-        self.updates = updates;
-        for &(_, Reverse(percept)) in &queue {
-            match self.stale.get_mut(percept) {
-                Some(stale) if !*stale => *stale = true,
-                _ => return false,
-            }
-        }
-        self.queue = queue.into();
-        true
     }
 
     /// Returns the value of walking for ever, which all other values are relative to.
@@ -171,22 +165,24 @@ impl PlannedValues {
         self.returns.way_back(memory, before, (percept, action))
     }
 
-    /// Records the successor of a pair, and propagates the change.
-    pub fn learn(&mut self, memory: &Transitions, pair: (usize, Action), next: Option<usize>) {
-        let met = memory.percepts().len();
-        self.values.resize(met, 0.0);
-        self.before.resize(met, Vec::new());
-        self.stale.resize(met, false);
+    /// Records that a pair led to a percept.
+    pub fn link(&mut self, memory: &Transitions, pair: (usize, Action), next: Option<usize>) {
+        self.meet(memory);
         if let Some(next) = next
             && !self.before[next].contains(&pair)
         {
             self.before[next].push(pair);
         }
-        let is_new = memory.outcomes(pair.0, pair.1).tries() == 1;
+    }
+
+    /// Records the successor of a pair, and propagates the change.
+    pub fn learn(&mut self, memory: &Transitions, pair: (usize, Action), next: Option<usize>) {
+        self.link(memory, pair, next);
+        let is_new = memory.outcomes(pair.0, pair.1).tries() == memory.required_tries();
         let (most, negligible) = match is_new {
             _ if memory.slips().any() => (UPDATES_FOR_ODDS, NEGLIGIBLE_SLIPPING),
-            true => (usize::MAX, NEGLIGIBLE),
-            false => (UPDATES_FOR_ODDS, NEGLIGIBLE_ODDS),
+            true if memory.required_tries() == 1 => (usize::MAX, NEGLIGIBLE),
+            _ => (UPDATES_FOR_ODDS, NEGLIGIBLE_ODDS),
         };
         self.update(memory, pair.0, negligible);
         // The prediction of a return may have changed there.
@@ -244,10 +240,13 @@ impl PlannedValues {
     /// is not known.
     fn value_of(&self, memory: &Transitions, percept: usize, action: Action) -> Option<f64> {
         if !memory.is_known(percept, action) {
+            if self.unknown.is_some() {
+                return self.unknown;
+            }
             let back = self.way_back(memory, percept, action)?;
             return Some(self.gamma * self.values[back]);
         }
-        let after = |next: Option<usize>| next.map_or(-self.floor(), |next| self.values[next]);
+        let after = |next: Option<usize>| next.map_or(0.0 - self.floor(), |next| self.values[next]);
         let least = match memory.slips().any() {
             true => 0.0,
             false => f64::NEG_INFINITY,
@@ -284,12 +283,21 @@ impl PlannedValues {
             false => self.greatest(memory, percept),
         };
         let old = std::mem::replace(&mut self.values[percept], value);
-        self.touched.push(percept);
+        if self.unknown.is_none() {
+            self.touched.push(percept);
+        }
         if value == old {
             return;
         }
         let greater = value.max(old);
-        let is_great = (value - old).abs() > negligible * greater;
+        let least = match self.unknown {
+            Some(unknown) if memory.required_tries() > 1 => {
+                NEGLIGIBLE_OPTIMISM_IF_VARYING * (1.0 - self.gamma) * unknown
+            }
+            Some(unknown) => NEGLIGIBLE_OPTIMISM * (1.0 - self.gamma) * unknown,
+            None => negligible * greater,
+        };
+        let is_great = (value - old).abs() > least;
         // A return may lead here from where its own moves lead.
         let own = Action::all(self.actions).filter_map(|action| memory.next(percept, action));
         let before = std::mem::take(&mut self.before[percept]);
@@ -360,7 +368,9 @@ impl PlannedValues {
     /// Returns the labelled example of a percept: its best actions.
     fn labelled_example(&self, memory: &Transitions, percept: usize) -> LabelledExample {
         let value = self.values[percept];
-        let greatest = match memory.slips().any() {
+        // Values of uncertain moves are not settled to the last digit.
+        let is_uncertain = memory.slips().any() || memory.required_tries() > 1;
+        let greatest = match is_uncertain {
             true => self.greatest(memory, percept),
             false => value,
         };
@@ -376,6 +386,9 @@ impl PlannedValues {
         }
     }
 }
+
+mod saved;
+pub(in crate::agent) use saved::Saved;
 
 #[cfg(test)]
 mod tests;

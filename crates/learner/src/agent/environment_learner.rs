@@ -1,0 +1,387 @@
+//! `xcscr-plus` on any environment with discrete percepts: rewards are given, and no action is a move.
+//!
+//! The state is the percept. Model, planner and rules are those of [`PerceptLearner`](super::percept_learner).
+//! What only holds in mazes is left out: collisions, inverse actions, rotational symmetry and slips. Two
+//! differences follow:
+//! * Exploration is R-max (Brafman and Tennenholtz 2002). A second plan gives every unknown pair the greatest
+//!   return seen so far, at least 0. It chooses as long as it promises more than the plan on known pairs.
+//! * Once the results of a pair vary, a pair is known after several tries instead of one.
+//!
+//! Values have a floor, the value of an endless walk. Its reward per step is estimated: in every percept
+//! whose actions are all known, some action pays at least that much.
+
+use serde::{Deserialize, Serialize};
+
+use crate::agent::Params;
+use crate::agent::explorer::exploit;
+use crate::agent::model::transitions::{Transition, Transitions};
+use crate::agent::planner::sweeping::{PlannedValues, Saved};
+use crate::agent::policy::RulePolicy;
+use crate::agent::saved::{self, RestoreError};
+use xcs::bounds::{OutOfRange, within};
+use xcs::random::Stream;
+use xcs::{Action, LabelledExamples, Learned, MAX_ACTIONS, Percept, PredictionArray, Xcs};
+use xcscr_robot::streams::StreamName;
+
+/// Optimistic values must exceed the known values by this share of the value of an unknown pair ...
+const MARGIN: f64 = 1e-4;
+/// ... or by this share once results have varied. Then the values are estimates.
+const MARGIN_IF_VARYING: f64 = 1e-2;
+/// The greatest reward and return, positive or negative.
+const GREATEST_REWARD: f64 = 1e12;
+
+/// Parameters of an [`EnvironmentLearner`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct EnvironmentParams {
+    /// gamma: the discount per step.
+    pub gamma: f64,
+    /// The return that an unknown action may bring. `None`: the greatest return seen so far, at least 0. A greater one
+    /// behind costs may then stay unknown.
+    pub best_return: Option<f64>,
+    /// The tries that make a pair known, once the results of some pair have varied.
+    pub tries: u32,
+    /// The maximum number of rules.
+    pub population_size: u32,
+}
+
+impl Default for EnvironmentParams {
+    fn default() -> Self {
+        Self {
+            gamma: 0.99,
+            best_return: None,
+            tries: 10,
+            population_size: 5000,
+        }
+    }
+}
+
+impl EnvironmentParams {
+    /// Checks all ranges.
+    ///
+    /// # Errors
+    /// The first parameter out of range.
+    pub fn check(&self) -> Result<(), OutOfRange> {
+        within("gamma", self.gamma, 0.0..=0.9999)?;
+        within("tries", self.tries, 1..=10_000)?;
+        within("population_size", self.population_size, 1..=1_000_000)?;
+        let range = -GREATEST_REWARD..=GREATEST_REWARD;
+        self.best_return
+            .map_or(Ok(()), |best| within("best_return", best, range))
+    }
+}
+
+/// What changes in an episode, and the estimates of the learner.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Progress {
+    /// Breaks ties between equally good actions.
+    stream: Stream,
+    /// The percept and the action that wait for a reward.
+    waiting: Option<(Percept, Action)>,
+    /// The rewards of this episode.
+    rewards: Vec<f64>,
+    /// The greatest return seen so far, from any step to the end of its episode.
+    best_seen: Option<f64>,
+    /// The reward per step of an endless walk.
+    step: f64,
+    /// True once the results of some pair have varied.
+    varies: bool,
+}
+
+/// The learned state of the model, both plans and the rules.
+type State = (
+    Transitions,
+    [Saved; 2],
+    Vec<usize>,
+    (Learned, LabelledExamples),
+    Progress,
+);
+
+/// Model, plan and rules over the percepts of any environment.
+///
+/// Call [`act`](Self::act) and [`update`](Self::update) in each step.
+#[derive(Debug, Clone)]
+pub struct EnvironmentLearner {
+    actions: usize,
+    params: EnvironmentParams,
+    memory: Transitions,
+    /// Values over known pairs, which the rules are distilled from.
+    known: PlannedValues,
+    /// Upper bounds of the values, which exploration follows.
+    promised: PlannedValues,
+    rules: RulePolicy,
+    progress: Progress,
+}
+
+impl EnvironmentLearner {
+    /// Creates an untrained learner.
+    ///
+    /// # Errors
+    /// A parameter or the number of actions (1 to 8) is out of range.
+    pub fn new(params: EnvironmentParams, actions: usize, seed: u64) -> Result<Self, OutOfRange> {
+        params.check()?;
+        within("actions", actions, 1..=MAX_ACTIONS)?;
+        let of_rules = xcs::Params {
+            population_size: params.population_size,
+            value_over_match_set: false,
+            ..xcs::Params::default()
+        };
+        let rules = Xcs::new(of_rules, actions, Stream::new(seed, StreamName::Evolution));
+        let rewards = Params {
+            gamma: params.gamma,
+            step: 0.0,
+            ..Params::default()
+        };
+        let plan = PlannedValues::new(actions, &rewards);
+        let mut learner = Self {
+            actions,
+            params,
+            memory: Transitions::default(),
+            known: plan.clone(),
+            promised: plan,
+            rules: RulePolicy::new(rules),
+            progress: Progress {
+                stream: Stream::new(seed, StreamName::Exploration),
+                waiting: None,
+                rewards: Vec::new(),
+                best_seen: None,
+                step: 0.0,
+                varies: false,
+            },
+        };
+        learner.replan();
+        Ok(learner)
+    }
+
+    /// Chooses an action, which waits for [`update`](Self::update): with `explores`, an action that promises
+    /// more than all known ones, if there is one. Otherwise the rules choose.
+    pub fn act(&mut self, percept: &Percept, explores: bool) -> Action {
+        let promise = if explores {
+            self.promise(percept)
+        } else {
+            None
+        };
+        let values = match promise {
+            Some(values) => values,
+            None => {
+                // Estimates change in every step, so that they are distilled once in an episode.
+                if !self.progress.varies {
+                    self.distil();
+                }
+                self.values(percept)
+            }
+        };
+        let action = exploit(&values, &mut self.progress.stream);
+        self.take(percept, action);
+        action
+    }
+
+    /// Takes the given action as if [`act`](Self::act) had chosen it.
+    pub fn take(&mut self, percept: &Percept, action: Action) {
+        self.meet(percept);
+        self.progress.waiting = (action.index() < self.actions).then_some((*percept, action));
+    }
+
+    /// Returns true if an action waits for its reward.
+    pub fn is_waiting(&self) -> bool {
+        self.progress.waiting.is_some()
+    }
+
+    /// Learns from the reward of the last action and the next percept, which is `None` if the episode has ended.
+    pub fn update(&mut self, reward: f64, next: Option<&Percept>) {
+        let Some((percept, action)) = self.progress.waiting.take() else {
+            return;
+        };
+        self.progress.rewards.push(reward);
+        let number = self.meet(&percept);
+        let next_number = next.map(|next| self.meet(next));
+        let step = Transition {
+            percept,
+            action,
+            reward,
+            next: next.copied(),
+        };
+        let required = self.memory.required_tries();
+        let changed = self.memory.learn(&step, required);
+        let tries = self.memory.outcomes(number, action).tries();
+        let revises = self.revises_estimates(number, action);
+        for plan in [&mut self.known, &mut self.promised] {
+            plan.link(&self.memory, (number, action), next_number);
+            // Plans follow the counts of varying results at each doubling.
+            if changed && (tries <= required || tries.is_power_of_two()) {
+                plan.learn(&self.memory, (number, action), next_number);
+            } else {
+                plan.settle(&self.memory);
+            }
+            plan.tidy();
+        }
+        if revises {
+            self.replan();
+        }
+        if next.is_none() {
+            self.end_episode();
+        }
+    }
+
+    /// Ends the episode. Discards an action that waits for its reward.
+    pub fn end_episode(&mut self) {
+        self.progress.waiting = None;
+        let mut total = 0.0;
+        let mut best = self.progress.best_seen;
+        for reward in self.progress.rewards.drain(..).rev() {
+            total = reward + self.params.gamma * total;
+            best = Some(best.map_or(total, |best| best.max(total)));
+        }
+        if best != self.progress.best_seen {
+            self.progress.best_seen = best;
+            self.assume();
+            self.promised.restart(&self.memory);
+        }
+        self.distil();
+    }
+
+    /// Returns the value of each action by the rules, without changing anything.
+    pub fn values(&self, percept: &Percept) -> PredictionArray {
+        self.rules.xcs().values(percept)
+    }
+
+    /// Returns the rules.
+    pub fn rules(&self) -> &xcs::Population {
+        self.rules.xcs().population()
+    }
+
+    /// Returns the percepts met so far.
+    pub fn percepts(&self) -> &[Percept] {
+        self.memory.percepts()
+    }
+
+    /// Returns the learned state, from which a learner with the same arguments continues exactly.
+    pub fn checkpoint(&self) -> Vec<u8> {
+        saved::bytes_of(&(
+            &self.memory,
+            [self.known.kept(), self.promised.kept()],
+            self.known.touched(),
+            self.rules.state(),
+            &self.progress,
+        ))
+    }
+
+    /// Continues from the state of a learner with the same arguments.
+    ///
+    /// # Errors
+    /// The state is damaged, or is from a learner with other arguments. Then nothing changes.
+    pub fn restore(&mut self, saved: &[u8]) -> Result<(), RestoreError> {
+        let (memory, [known, promised], touched, rules, progress): State = saved::read(saved)?;
+        let mut other = self.clone();
+        (other.memory, other.progress) = (memory, progress);
+        other.require();
+        other.assume();
+        let fits = other.is_sound()
+            && other.known.resume(known, &other.memory)
+            && other.known.resume_touched(touched)
+            && other.promised.resume(promised, &other.memory)
+            && other.rules.resume(rules, other.memory.percepts());
+        if !fits {
+            return Err(RestoreError::Foreign);
+        }
+        *self = other;
+        Ok(())
+    }
+
+    /// Returns true if model and progress can come from a learner.
+    fn is_sound(&self) -> bool {
+        let is_reward = |value: &f64| value.abs() <= GREATEST_REWARD;
+        let (progress, memory) = (&self.progress, &self.memory);
+        memory.is_sound()
+            && progress.rewards.iter().all(is_reward)
+            && progress.best_seen.is_none_or(f64::is_finite)
+            && is_reward(&progress.step)
+            && progress.step <= 0.0
+            && progress.waiting.is_none_or(|(percept, action)| {
+                memory.number_of(&percept).is_some() && action.index() < self.actions
+            })
+    }
+
+    /// Returns the number of a percept, and adds it if it is new.
+    fn meet(&mut self, percept: &Percept) -> usize {
+        let number = self.memory.meet(percept);
+        self.known.meet(&self.memory);
+        self.promised.meet(&self.memory);
+        number
+    }
+
+    /// Returns the optimistic values of the actions, if they promise more than the known values.
+    fn promise(&mut self, percept: &Percept) -> Option<PredictionArray> {
+        let number = self.meet(percept);
+        let margin = match self.progress.varies {
+            true => MARGIN_IF_VARYING,
+            false => MARGIN,
+        };
+        let known = self.known.value(number) + margin * self.unknown();
+        (self.promised.value(number) > known).then(|| {
+            let mut values = PredictionArray::new(self.actions);
+            let promised = self.promised.action_values(&self.memory, number);
+            promised.for_each(|(action, value)| values.set(action, value));
+            values
+        })
+    }
+
+    /// Returns the value of an unknown pair above the floor.
+    fn unknown(&self) -> f64 {
+        let floor = self.progress.step / (1.0 - self.params.gamma);
+        let seen = self.progress.best_seen.map_or(0.0, |seen| seen.max(0.0));
+        let above = self.params.best_return.unwrap_or(seen) - floor;
+        // Before any return is better than an endless walk, all unknown pairs are equally good.
+        if above > 0.0 { above } else { 1.0 }
+    }
+
+    /// Updates the estimates after a transition. Returns true if one changed, so that all values do.
+    fn revises_estimates(&mut self, number: usize, action: Action) -> bool {
+        let varies = self.progress.varies || self.memory.outcomes(number, action).vary();
+        let step = self.surest_reward(number).min(self.progress.step);
+        let changed = varies != self.progress.varies || step != self.progress.step;
+        (self.progress.varies, self.progress.step) = (varies, step);
+        self.require();
+        changed
+    }
+
+    /// Returns the greatest reward that some action of a percept paid at least; 0 if it has an unknown action.
+    fn surest_reward(&self, number: usize) -> f64 {
+        let least = |action| self.memory.outcomes(number, action).least_reward();
+        let least: Option<Vec<f64>> = Action::all(self.actions).map(least).collect();
+        least.map_or(0.0, |least| {
+            least.into_iter().fold(f64::NEG_INFINITY, f64::max)
+        })
+    }
+
+    fn require(&mut self) {
+        let tries = if self.progress.varies {
+            self.params.tries
+        } else {
+            1
+        };
+        self.memory.require(tries);
+    }
+
+    /// Gives both plans the estimates.
+    fn assume(&mut self) {
+        let (step, unknown) = (self.progress.step, self.unknown());
+        self.known.assume(step, None);
+        self.promised.assume(step, Some(unknown));
+    }
+
+    /// Computes the values of both plans anew.
+    fn replan(&mut self) {
+        self.assume();
+        self.known.restart(&self.memory);
+        self.promised.restart(&self.memory);
+    }
+
+    /// Corrects the rules by the changes of the plan.
+    fn distil(&mut self) {
+        self.rules.distil(self.known.news(&self.memory));
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,157 @@
+"""What all learners for environments have in common."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+from pathlib import Path
+from typing import Any, Self
+
+import numpy
+
+from ._native import Agent
+from .percepts import Bits, Percepts, Reals, States
+from .rules import XCSRule, frame_of, rules_of
+
+_KINDS: dict[str, type[Percepts]] = {"bits": Bits, "states": States, "reals": Reals}
+
+
+class Learner:
+    """A learner of rules for environments with numbered actions."""
+
+    _percepts: Percepts
+    #: The arguments of `_create` after the percepts. The first two are the number of actions and the first action.
+    _arguments: tuple[Any, ...]
+    _seed: int
+    _agent: Agent
+    episode_returns: list[float]
+    """The sum of the rewards of each episode of `fit`."""
+
+    def _create(self, percepts: Percepts, *arguments: Any) -> None:
+        """Creates an untrained learner."""
+        raise NotImplementedError
+
+    @classmethod
+    def _format(cls) -> str:
+        return f"xcscr.{cls.__name__} 1"
+
+    @property
+    def n_actions(self) -> int:
+        """The number of actions."""
+        return int(self._arguments[0])
+
+    @property
+    def _first_action(self) -> int:
+        return int(self._arguments[1])
+
+    @property
+    def n_rules(self) -> int:
+        """The number of macro-classifiers."""
+        return len(self._agent.rules())
+
+    @property
+    def numerosity(self) -> int:
+        """The number of micro-classifiers."""
+        return self._agent.numerosity
+
+    def _bytes(self, percept: Any) -> bytes:
+        return bytes(self._percepts.rows(percept).astype(float).tobytes())
+
+    def act(self, percept: Any, explore: bool = True) -> int:
+        """Chooses an action for learning, which may explore.
+
+        With `explore=False`, always chooses one of the best. Call `update` with the reward of the action.
+        """
+        return self._agent.act(self._bytes(percept), explore) + self._first_action
+
+    def update(self, reward: float, next_percept: Any = None, terminated: bool = True) -> None:
+        """Learns from the reward of the last action.
+
+        In a multistep problem, pass the next percept and `terminated=False`. After a truncated episode, call `end_episode`.
+        """
+        if not terminated and next_percept is None:
+            raise ValueError("pass next_percept unless the episode has terminated")
+        self._agent.update(float(reward), None if terminated else self._bytes(next_percept))
+
+    def end_episode(self) -> None:
+        """Discards the last action, so that the next percept starts a new episode."""
+        self._agent.end_episode()
+
+    def values(self, percept: Any) -> list[float | None]:
+        """Returns the value of each action, or None if no rule advocates it. Changes nothing."""
+        row = numpy.frombuffer(self._agent.values(self._bytes(percept)))
+        return [None if numpy.isnan(value) else float(value) for value in row]
+
+    def policy(self, percept: Any) -> int:
+        """Returns the first of the best actions, or the first action if no rule matches. Changes nothing."""
+        values = [-numpy.inf if value is None else value for value in self.values(percept)]
+        return int(numpy.argmax(values)) + self._first_action
+
+    def fit(self, env: Any, *, steps: int | None = None, episodes: int | None = None, seed: int | None = None) -> Self:
+        """Learns in a Gymnasium environment for a number of steps or episodes, whichever ends first.
+
+        `seed` is passed to the first reset; by default it is the seed of the learner. An episode cut off by `steps`
+        has no entry in `episode_returns`.
+        """
+        if steps is None and episodes is None:
+            raise ValueError("pass steps or episodes")
+        steps_left = numpy.inf if steps is None else steps
+        episodes_left = numpy.inf if episodes is None else episodes
+        reset_seed: int | None = self._seed if seed is None else seed
+        while steps_left > 0 and episodes_left > 0:
+            observation, _ = env.reset(seed=reset_seed)
+            reset_seed, done, total = None, False, 0.0
+            while not done and steps_left > 0:
+                action = self.act(observation)
+                observation, reward, terminated, truncated, _ = env.step(action)
+                self.update(reward, observation, terminated)
+                done, total, steps_left = terminated or truncated, total + float(reward), steps_left - 1
+            self.end_episode()
+            episodes_left -= 1
+            if done:
+                self.episode_returns.append(total)
+        return self
+
+    def rules(self) -> list[XCSRule]:
+        """Returns the rules with readable conditions, the highest numerosity first. An empty condition matches everything."""
+        return rules_of(self._agent, self._percepts, self._first_action)
+
+    def rules_frame(self) -> Any:
+        """Returns a pandas frame with a row for each rule. Raises ImportError without pandas."""
+        return frame_of(self.rules())
+
+    def __getstate__(self) -> dict[str, Any]:
+        kind = next(name for name, kind in _KINDS.items() if isinstance(self._percepts, kind))
+        return {
+            "format": self._format(),
+            "percepts": [kind, vars(self._percepts)],
+            "arguments": self._arguments,
+            "episode_returns": self.episode_returns,
+            "state": base64.b64encode(self._agent.state()).decode(),
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        if state.get("format") != self._format():
+            raise ValueError(f"this is not a saved xcscr.{type(self).__name__}")
+        kind, fields = state["percepts"]
+        self._create(_KINDS[kind](**{key: tuple(value) for key, value in fields.items()}), *state["arguments"])
+        self._agent.restore(base64.b64decode(state["state"]))
+        self.episode_returns = list(state["episode_returns"])
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the learner to a JSON file. A learner read by `load` continues bit for bit."""
+        Path(path).write_text(json.dumps(self.__getstate__()), encoding="utf-8")
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Reads a learner written by `save`. Raises ValueError for any other file."""
+        learner = cls.__new__(cls)
+        try:
+            learner.__setstate__(json.loads(Path(path).read_text(encoding="utf-8")))
+        except (KeyError, TypeError, AttributeError, UnicodeDecodeError) as error:
+            raise ValueError(f"{os.fspath(path)} is not a saved xcscr.{cls.__name__}, or it is damaged") from error
+        return learner
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self.n_rules} rules for {self._percepts.width} attributes and {self.n_actions} actions>"
