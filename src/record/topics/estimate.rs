@@ -3,10 +3,10 @@
 
 use foxglove::messages::{CylinderPrimitive, Quaternion, SceneEntity};
 use nalgebra::{Complex, Matrix3, UnitComplex};
-use serde::Serialize;
 
-use super::decimal;
+use super::fields::{Fields, fields};
 use super::scene::{ESTIMATE, color, cylinder, entity, heading, place, turned, vector};
+use super::to_parts;
 use crate::arena::{Estimate, Sample, Sensed};
 
 pub(super) const MARKER: u32 = 0x2f9ce0;
@@ -15,56 +15,41 @@ const DEVIATIONS: f64 = 3.03;
 /// The ellipse is enlarged by this factor to be visible; the layouts say so.
 const ELLIPSE_SCALE: f64 = 10.0;
 const FLAT_M: f64 = 0.01;
+/// Finer detail than this fraction is not visible in the picture.
+const VISIBLE: f64 = 128.0;
 /// The estimated-pose marker is wider than the robot by this factor, so that its rim is visible all
 /// around a robot without an error. The ellipse is drawn above the robot, at [`ABOVE`] times the
 /// robot's radius.
 const RIM: f64 = 1.2;
 const ABOVE: f64 = 1.1;
 
-/// The estimate at the end of a reset or an action.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(in crate::record) struct EstimateRecord {
+/// Compares the estimate at the end of a reset or an action with the true pose. Returns `None` if
+/// the robot is given its true pose.
+pub(in crate::record) fn record(
     episode: u32,
     step: u32,
-    x_m: f64,
-    y_m: f64,
-    heading_cos: f64,
-    heading_sin: f64,
-    sd_x_m: f64,
-    sd_y_m: f64,
-    sd_heading_deg: f64,
-    error_m: f64,
-    heading_error_deg: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    nees: Option<f64>,
-    lost: bool,
-}
-
-impl EstimateRecord {
-    /// Compares the last estimate with the true pose. Returns `None` if the robot is given its true
-    /// pose.
-    pub fn new(episode: u32, step: u32, sensed: &Sensed<'_>, truth: &Sample) -> Option<Self> {
-        let estimate = sensed.estimates.last()?;
-        let (error_m, error_rad) = estimate.error(&truth.robot_in_map);
-        let nees = estimate.nees(&truth.robot_in_map);
-        let deviation = |at: usize| estimate.covariance[(at, at)].max(0.0).sqrt();
-        let pose = estimate.robot_in_map;
-        Some(Self {
-            episode,
-            step,
-            x_m: decimal(pose.translation.x),
-            y_m: decimal(pose.translation.y),
-            heading_cos: decimal(pose.rotation.re),
-            heading_sin: decimal(pose.rotation.im),
-            sd_x_m: decimal(deviation(0)),
-            sd_y_m: decimal(deviation(1)),
-            sd_heading_deg: decimal(deviation(2).to_degrees()),
-            error_m: decimal(error_m),
-            heading_error_deg: decimal(error_rad.to_degrees()),
-            nees: nees.map(decimal),
-            lost: sensed.lost,
-        })
-    }
+    sensed: &Sensed<'_>,
+    truth: &Sample,
+) -> Option<Fields> {
+    let estimate = sensed.estimates.last()?;
+    let (error_m, error_rad) = estimate.error(&truth.robot_in_map);
+    let deviation = |at: usize| estimate.covariance[(at, at)].max(0.0).sqrt();
+    let pose = estimate.robot_in_map;
+    Some(fields! {
+        episode: episode,
+        step: step,
+        x_m: pose.translation.x,
+        y_m: pose.translation.y,
+        heading_cos: pose.rotation.re,
+        heading_sin: pose.rotation.im,
+        sd_x_m: deviation(0),
+        sd_y_m: deviation(1),
+        sd_heading_deg: deviation(2).to_degrees(),
+        error_m: error_m,
+        heading_error_deg: error_rad.to_degrees(),
+        nees: estimate.nees(&truth.robot_in_map),
+        lost: sensed.lost,
+    })
 }
 
 /// Creates an ellipse around the estimated position, ten times enlarged, and a marker of the
@@ -94,23 +79,18 @@ fn around(estimate: &Estimate, radius_m: f64) -> CylinderPrimitive {
     let (long, short, direction) = axes(&estimate.covariance);
     let along = heading(ahead.inverse() * direction);
     let along = Quaternion {
-        z: drawn(along.z),
-        w: drawn(along.w),
+        z: to_parts(along.z, VISIBLE),
+        w: to_parts(along.w, VISIBLE),
         ..along
     };
-    let [long, short] =
-        [long, short].map(|deviation| drawn(2.0 * DEVIATIONS * ELLIPSE_SCALE * deviation));
+    let drawn = |deviation| to_parts(2.0 * DEVIATIONS * ELLIPSE_SCALE * deviation, VISIBLE);
+    let [long, short] = [long, short].map(drawn);
     cylinder(
         turned([0.0, 0.0, ABOVE * radius_m], along),
         vector(long, short, FLAT_M),
         1.0,
         color(MARKER, 0.9),
     )
-}
-
-/// Rounds a number to the precision that is visible in the picture.
-fn drawn(number: f64) -> f64 {
-    (number * 128.0).round() / 128.0 + 0.0
 }
 
 /// Returns the standard deviations along the long and the short axis of the position's ellipse, and

@@ -9,6 +9,7 @@ pub(super) mod curve;
 mod descriptor;
 pub(super) mod episode;
 pub(super) mod estimate;
+mod fields;
 pub(super) mod legend;
 pub(super) mod log;
 pub(super) mod maze;
@@ -250,12 +251,17 @@ impl Topic {
 
 /// Rounds a number for protobuf messages to a multiple of 2^-12, which makes files a third smaller.
 fn rounded(number: f64) -> f64 {
-    (number * 4096.0).round() / 4096.0 + 0.0
+    to_parts(number, 4096.0)
 }
 
 /// Rounds a number for JSON messages to three decimals, for legibility.
 pub(super) fn decimal(number: f64) -> f64 {
-    (number * 1000.0).round() / 1000.0 + 0.0
+    to_parts(number, 1000.0)
+}
+
+/// Rounds a number to a multiple of 1 / `parts`, never to minus zero.
+fn to_parts(number: f64, parts: f64) -> f64 {
+    (number * parts).round() / parts + 0.0
 }
 
 #[cfg(test)]

@@ -1,15 +1,16 @@
 //! `/rule` and `/scene/rule`: why an action was selected, as text, from the decision on.
 
 use foxglove::messages::SceneUpdate;
-use serde::Serialize;
 
+use super::fields::{Fields, fields};
 use super::scene::{ROBOT, entity, label, place, update};
+use super::to_parts;
 use crate::agent::Chooser;
 use crate::episode::Step;
 use crate::sensor::Sensor;
 use crate::trial::words_of_memory;
 use crate::world::Maze;
-use xcs::{Action, Condition, Percept};
+use xcs::{Action, Condition};
 
 /// Colours of actions selected by rules or a table, and of exploratory ones.
 const CHOSEN: u32 = 0xffffff;
@@ -37,52 +38,44 @@ const HEADINGS: [(u8, &str); 8] = [
     (7, "north-west"),
 ];
 
-/// Why an action was selected.
-#[derive(Debug, Serialize)]
-pub(in crate::record) struct RuleRecord {
-    episode: u32,
-    step: u32,
-    rule: String,
-    runner_up: String,
-    chosen_by: &'static str,
-    explored: bool,
-    action: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    heading: Option<u8>,
-    seen: String,
-    percept: Percept,
-    left: u32,
-    values: Vec<Option<f64>>,
-    #[serde(skip)]
+/// Why an action was selected, as text.
+#[derive(Debug)]
+pub(in crate::record) struct Reasons {
     because: String,
-    #[serde(skip)]
+    /// The action and its value.
     choice: String,
+    explored: bool,
 }
 
-impl RuleRecord {
-    /// Creates the record of a step; `goal` is the reward for reaching a goal.
-    pub fn new(step: &Step<'_>, sensor: Sensor, goal: f64) -> Self {
+impl Reasons {
+    /// Returns the reasons of a step's decision.
+    pub fn of(step: &Step<'_>, sensor: Sensor) -> Self {
+        Self {
+            because: because(step, sensor),
+            choice: value(step, step.action),
+            explored: step.explored,
+        }
+    }
+
+    /// Returns the message about the decision of a step; `goal` is the reward for reaching a goal.
+    pub fn record(&self, step: &Step<'_>, sensor: Sensor, goal: f64) -> Fields {
         let maze = step.view.maze;
         let action = maze.action_name(step.action);
-        let because = because(step, sensor);
-        Self {
+        let numbered = HEADINGS.iter().find(|(_, name)| *name == action);
+        let (because, choice) = (&self.because, &self.choice);
+        fields! {
             episode: step.episode,
             step: step.step,
+            rule: format!("{because} -> {choice}{}", support(step)),
+            runner_up: runner_up(step).map_or_else(String::new, |other| value(step, other)),
             chosen_by: step.chooser.name(),
             explored: step.explored,
-            heading: HEADINGS
-                .iter()
-                .find(|(_, name)| *name == action)
-                .map(|(n, _)| *n),
+            action: action,
+            heading: numbered.map(|(number, _)| number),
+            seen: sensor.words(maze, &|at| Some(step.percept.bit(at))),
             percept: step.percept,
             left: left_percent(step),
             values: value_percent(step, goal),
-            choice: format!("-> {}", value(step, step.action)),
-            seen: sensor.words(maze, &|at| Some(step.percept.bit(at))),
-            rule: format!("{because} -> {}{}", value(step, step.action), support(step)),
-            runner_up: runner_up(step).map_or_else(String::new, |other| value(step, other)),
-            action,
-            because,
         }
     }
 
@@ -91,7 +84,7 @@ impl RuleRecord {
         let height = letter_m(maze);
         let rgb = if self.explored { EXPLORED } else { CHOSEN };
         let lines = abbreviated(&self.because).into_iter().rev();
-        let lines = [self.choice.clone()].into_iter().chain(lines);
+        let lines = [format!("-> {}", self.choice)].into_iter().chain(lines);
         let mut words = entity("rule", ROBOT, time_ns);
         // The camera looks down steeply, so upright text appears a little lower.
         let upwards = (0..).map(|line| (FIRST + NEXT * f64::from(line)) * height);
@@ -190,12 +183,8 @@ fn value_percent(step: &Step<'_>, goal: f64) -> Vec<Option<f64>> {
     let all = if goal > 0.0 { goal } else { 100.0 };
     let values = step.values.as_slice().iter();
     values
-        .map(|value| value.map(|value| tenths(100.0 * value / all)))
+        .map(|value| value.map(|value| to_parts(100.0 * value / all, 10.0)))
         .collect()
-}
-
-fn tenths(number: f64) -> f64 {
-    (10.0 * number).round() / 10.0 + 0.0
 }
 
 /// Returns the error, and how many of the matching rules advocate the action.

@@ -14,8 +14,13 @@ use foxglove::messages::{FrameTransform, FrameTransforms, Quaternion, Vector3};
 use nalgebra::Isometry2;
 
 use super::scene::{ESTIMATE, MAP, ROBOT, WORLD, heading, timestamp};
+use super::to_parts;
 use crate::arena::{Estimate, Sample};
 use crate::world::{Maze, Origin};
+
+/// Finer detail than this fraction, a millimetre or a tenth of a degree, is not visible in a viewer.
+/// Most of a recording is poses.
+const VISIBLE: f64 = 1024.0;
 
 /// The message, reused between segments to avoid allocations.
 #[derive(Debug, Default)]
@@ -86,22 +91,16 @@ fn put(frame: &mut FrameTransform, time_ns: u64, pose: &Isometry2<f64>) {
     let middle = pose.translation;
     frame.timestamp = Some(timestamp(time_ns));
     frame.translation = Some(Vector3 {
-        x: seen(middle.x),
-        y: seen(middle.y),
+        x: to_parts(middle.x, VISIBLE),
+        y: to_parts(middle.y, VISIBLE),
         z: 0.0,
     });
     let turned = heading(pose.rotation);
     frame.rotation = Some(Quaternion {
-        z: seen(turned.z),
-        w: seen(turned.w),
+        z: to_parts(turned.z, VISIBLE),
+        w: to_parts(turned.w, VISIBLE),
         ..turned
     });
-}
-
-/// Rounds a number to the precision that is visible in a viewer, a millimetre or a tenth of a
-/// degree. Most of a recording is poses.
-fn seen(number: f64) -> f64 {
-    (number * 1024.0).round() / 1024.0 + 0.0
 }
 
 fn name(frame: &mut FrameTransform, parent: &str, child: &str) {

@@ -12,12 +12,11 @@ use crate::episode::{Episode, Learned, PolicyMap};
 use crate::record::error::RecordError;
 use crate::record::info::{RobotShape, RunInfo, RunKind};
 use crate::record::topics::caption::Caption;
-use crate::record::topics::contact::ContactRecord;
 use crate::record::topics::curve::Curve;
-use crate::record::topics::episode::{Ended, EpisodeRecord, Outlook, Population, Running};
+use crate::record::topics::episode::{self, Outlook};
 use crate::record::topics::trail::Trail;
 use crate::record::topics::transforms::Transforms;
-use crate::record::topics::{Topic, legend, log, maze, policy, robot, values};
+use crate::record::topics::{Topic, contact, legend, log, maze, policy, robot, values};
 use crate::sensor::Sensor;
 use crate::trial::{Judge, steps_to_goal};
 use crate::world::{Cell, Maze};
@@ -173,9 +172,9 @@ impl EventLogger {
         self.show_landscape(out, For::Episode, view.maze, time_ns)?;
         self.show_trail(out, For::Episode, time_ns)?;
         out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
-        let clear = ContactRecord::clear(episode, 0);
+        let clear = contact::clear(episode, 0);
         out.send_json(For::Episode, Topic::Contact, time_ns, &clear)?;
-        let running = Running::new(episode, self.was_optimal);
+        let running = episode::running(episode, self.was_optimal);
         out.send_json(For::Both, Topic::Episode, time_ns, &running)?;
         let (name, all) = self.episodes;
         let all = all.map_or(String::new(), |all| format!(" of {all}"));
@@ -235,13 +234,11 @@ impl EventLogger {
         }
         out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
         // The state is unchanged, but viewers draw it only up to its last message.
-        let clear = ContactRecord::clear(episode.episode, episode.steps);
+        let clear = contact::clear(episode.episode, episode.steps);
         out.send_json(For::Episode, Topic::Contact, time_ns, &clear)?;
-        let population = Population::of(&learned.method.knowledge());
-        let record = EpisodeRecord::new(episode, population, outlook);
-        out.send_json(For::Both, Topic::Episode, time_ns, &record)?;
-        let ended = Ended::new(episode);
-        out.send_json(For::Run, Topic::Ended, time_ns, &ended)?;
+        let figures = episode::figures(episode, &learned.method.knowledge(), &outlook);
+        out.send_json(For::Both, Topic::Episode, time_ns, &figures)?;
+        out.send_json(For::Run, Topic::Ended, time_ns, &episode::ended(episode))?;
         let said = log::ended(episode, time_ns);
         out.send(For::Both, Topic::Log, time_ns, &said)?;
         if std::mem::replace(&mut self.was_optimal, outlook.optimal) != outlook.optimal {

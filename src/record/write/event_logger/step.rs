@@ -6,11 +6,8 @@ use super::EventLogger;
 use crate::arena::{Contact, Estimate, Sample, View};
 use crate::episode::{PolicyMap, Step};
 use crate::record::error::RecordError;
-use crate::record::topics::contact::ContactRecord;
-use crate::record::topics::estimate::{self, EstimateRecord};
-use crate::record::topics::rule::RuleRecord;
-use crate::record::topics::step::StepRecord;
-use crate::record::topics::{Topic, log, percept, policy, rays, scan};
+use crate::record::topics::rule::Reasons;
+use crate::record::topics::{Topic, contact, estimate, log, percept, policy, rays, scan, step};
 use crate::record::write::outbox::{For, Outbox};
 
 /// An event of a move.
@@ -26,22 +23,22 @@ impl EventLogger {
     /// Logs a step.
     pub fn stepped(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
         let end_ns = step.view.now().time_ns;
-        let rule = RuleRecord::new(step, self.sensor, self.goal);
+        let reasons = Reasons::of(step, self.sensor);
+        let rule = reasons.record(step, self.sensor, self.goal);
         out.send_json(For::Episode, Topic::Rule, self.decided_ns, &rule)?;
-        let over_robot = rule.scene(step.view.maze, self.decided_ns);
+        let over_robot = reasons.scene(step.view.maze, self.decided_ns);
         out.send(For::Episode, Topic::RuleText, self.decided_ns, &over_robot)?;
         let (maze, at_ns) = (step.view.maze, self.decided_ns);
         self.perceived_cells =
             percept::perceived_cells(self.sensor, maze, step.cell, &step.percept, at_ns);
         self.show_percept(out, at_ns)?;
         self.moved(out, step)?;
-        let record = StepRecord::new(step);
-        out.send_json(For::Both, Topic::Step, end_ns, &record)?;
+        out.send_json(For::Both, Topic::Step, end_ns, &step::record(step))?;
         self.show_estimate(out, step.episode, step.step, &step.view)?;
         if step.view.contacts.is_empty() {
             self.warn(out, step, end_ns)?;
         } else {
-            let clear = ContactRecord::clear(step.episode, step.step);
+            let clear = contact::clear(step.episode, step.step);
             out.send_json(For::Episode, Topic::Contact, end_ns, &clear)?;
         }
         step.view
@@ -124,7 +121,7 @@ impl EventLogger {
         number: usize,
         hit: &Contact,
     ) -> Result<(), RecordError> {
-        let record = ContactRecord::hit(step.episode, step.step, hit);
+        let record = contact::hit(step.episode, step.step, hit);
         out.send_json(For::Episode, Topic::Contact, hit.time_ns, &record)?;
         match number {
             0 => self.warn(out, step, hit.time_ns),
@@ -154,7 +151,7 @@ impl EventLogger {
         self.belief = estimate::entities(sensed, self.robot.radius_m, now.time_ns).into();
         self.belief
             .extend(self.beams.then(|| rays::rays(view)).flatten());
-        match EstimateRecord::new(episode, step, sensed, &now) {
+        match estimate::record(episode, step, sensed, &now) {
             Some(record) => out.send_json(For::Episode, Topic::Estimate, now.time_ns, &record),
             None => Ok(()),
         }
