@@ -1,9 +1,11 @@
 //! Sensor readings: the fields of the robot's ROS 2 messages that the driver uses, in metres,
 //! radians and seconds (REP 103).
 
+use std::f64::consts::TAU;
+
 use nalgebra::Isometry2;
 
-use crate::arena::Speeds;
+use crate::arena::{LidarParams, Speeds};
 
 /// A turn of the lidar (`sensor_msgs/msg/LaserScan`).
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -25,6 +27,23 @@ pub struct Scan {
     /// The ranges. By REP 117, infinity means no return, minus infinity an object that is too near,
     /// and NaN no measurement.
     pub ranges_m: Vec<f64>,
+}
+
+impl Scan {
+    /// Creates a scan of a whole turn. The first beam pointed ahead at `stamp_ns`.
+    pub(crate) fn of_turn(stamp_ns: u64, lidar: &LidarParams, ranges_m: Vec<f64>) -> Self {
+        let beams = f64::from(lidar.beams);
+        Self {
+            stamp_ns,
+            frame: "base_scan".to_owned(),
+            angle_min_rad: 0.0,
+            angle_increment_rad: TAU / beams,
+            time_increment_s: 1.0 / (lidar.rate_hz * beams),
+            range_min_m: lidar.nearest_m,
+            range_max_m: lidar.range_m,
+            ranges_m,
+        }
+    }
 }
 
 /// Dead reckoning (`nav_msgs/msg/Odometry`).

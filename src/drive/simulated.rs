@@ -103,16 +103,8 @@ impl SimulatedRobot {
         if !self.commanded_ns.is_some_and(is_fresh) {
             self.command = Speeds::default();
         }
-        let (base_m, beams, increment_s) = {
-            let params = self.drive.params();
-            let lidar = &params.lidar;
-            let per_turn = f64::from(lidar.beams);
-            (
-                params.wheel_base_m,
-                lidar.beams,
-                1.0 / (lidar.rate_hz * per_turn),
-            )
-        };
+        let params = self.drive.params();
+        let (base_m, beams) = (params.wheel_base_m, params.lidar.beams);
         let readings = self.drive.step(self.command);
         let moved = rolled([0.0; 2], readings.rolled_m, base_m);
         let turned_rad = readings.turned_rad;
@@ -150,21 +142,9 @@ impl SimulatedRobot {
                 stamp_ns: time_ns,
                 turn_radps: rate(turned_rad),
             }),
-            scan: ended.map(|(stamp_ns, ranges_m)| self.scan(stamp_ns, ranges_m, increment_s)),
-        }
-    }
-
-    fn scan(&self, stamp_ns: u64, ranges_m: Vec<f64>, time_increment_s: f64) -> Scan {
-        let lidar = &self.drive.params().lidar;
-        Scan {
-            stamp_ns,
-            frame: "base_scan".to_owned(),
-            angle_min_rad: 0.0,
-            angle_increment_rad: std::f64::consts::TAU / f64::from(lidar.beams),
-            time_increment_s,
-            range_min_m: lidar.nearest_m,
-            range_max_m: lidar.range_m,
-            ranges_m,
+            scan: ended.map(|(stamp_ns, ranges_m)| {
+                Scan::of_turn(stamp_ns, &self.drive.params().lidar, ranges_m)
+            }),
         }
     }
 }

@@ -11,41 +11,25 @@ use serde::de::DeserializeOwned;
 
 use super::drive_messages::{Clock, Imu, Text, Twist};
 use super::messages::{EstimatedPose, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, Transforms};
-use super::schemas::{CLOCK, GRID, IMU, ODOMETRY, POSE, SCAN, TEXT, TRANSFORMS, TWIST};
-use super::writer::{ENCAPSULATION, RosTopic, RosWriter, encoded};
-use super::{TRANSIENT_LOCAL, VOLATILE};
+use super::topics::Topic;
+use super::writer::{ENCAPSULATION, RosWriter, encoded};
 use crate::disk;
 use crate::drive::{DriverStep, Fault, Readings};
 use crate::record::error::RecordError;
 use crate::world::Maze;
 
-/// A topic of the file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Topic {
-    Scan,
-    Odom,
-    Imu,
-    Clock,
-    CmdVel,
-    Tf,
-    Pose,
-    Map,
-    Decision,
-    Fault,
-}
-
-/// The topics in the order of [`Topic`].
-const TOPICS: [RosTopic; 10] = [
-    ("/scan", SCAN, VOLATILE),
-    ("/odom", ODOMETRY, VOLATILE),
-    ("/imu", IMU, VOLATILE),
-    ("/clock", CLOCK, VOLATILE),
-    ("/cmd_vel", TWIST, VOLATILE),
-    ("/tf", TRANSFORMS, VOLATILE),
-    ("/pose", POSE, VOLATILE),
-    ("/map", GRID, TRANSIENT_LOCAL),
-    ("/decision", TEXT, VOLATILE),
-    ("/fault", TEXT, VOLATILE),
+/// The topics of the file.
+const TOPICS: [Topic; 10] = [
+    Topic::Scan,
+    Topic::Odom,
+    Topic::Imu,
+    Topic::Clock,
+    Topic::CmdVel,
+    Topic::Tf,
+    Topic::Pose,
+    Topic::Map,
+    Topic::Decision,
+    Topic::Fault,
 ];
 
 /// Writes the recording of a drive, message by message.
@@ -143,7 +127,7 @@ impl DriveBag {
             path: self.path.clone(),
             cause,
         })?;
-        let written = self.writer.write(topic as usize, time_ns, &message);
+        let written = self.writer.write(topic, time_ns, &message);
         written.map_err(RecordError::write(&self.path))
     }
 

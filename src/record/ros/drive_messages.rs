@@ -7,8 +7,8 @@ use nalgebra::{Complex, Isometry2, Translation2, UnitComplex};
 use serde::{Deserialize, Serialize};
 
 use super::messages::{
-    BASE, Covariance, EstimatedPose, Header, LaserScan, Odometry, Pose, PoseWithCovariance,
-    Quaternion, Time, TwistWithCovariance, Vector3, header, pose, time,
+    BASE, EstimatedPose, Header, LaserScan, Odometry, Pose, PoseWithCovariance, Quaternion, Time,
+    TwistWithCovariance, UNKNOWN, Vector3, header, pose, time,
 };
 use crate::arena::Speeds;
 use crate::drive::{self, Belief};
@@ -140,12 +140,12 @@ impl From<&drive::Odometry> for Odometry {
             child_frame_id: odometry.child_frame.clone().into(),
             pose: PoseWithCovariance {
                 pose: pose(&odometry.pose),
-                covariance: Covariance::UNKNOWN,
+                covariance: UNKNOWN,
             },
             twist: TwistWithCovariance {
                 linear,
                 angular,
-                covariance: Covariance::UNKNOWN,
+                covariance: UNKNOWN,
             },
         }
     }

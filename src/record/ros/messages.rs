@@ -1,14 +1,10 @@
 //! ROS 2 messages, with the fields of the interface definitions.
 
 use std::borrow::Cow;
-use std::f64::consts::TAU;
 
 use nalgebra::{Isometry2, Matrix3};
-use serde::de::{Deserializer, Error, SeqAccess, Visitor};
-use serde::ser::{SerializeTuple, Serializer};
 use serde::{Deserialize, Serialize};
 
-use crate::arena::LidarParams;
 use crate::world::Maze;
 
 /// The frames of REP 105: the world, the origin of dead reckoning, and the robot.
@@ -129,60 +125,22 @@ pub struct OccupancyGrid {
     pub data: Vec<i8>,
 }
 
-/// A 6x6 covariance in row-major order over x, y, z and the rotations about them.
-#[derive(Debug, Clone)]
-pub struct Covariance([f64; 36]);
+/// A 6x6 covariance over x, y, z and the rotations about them.
+pub type Covariance = [[f64; 6]; 6];
 
-impl Serialize for Covariance {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let mut tuple = to.serialize_tuple(self.0.len())?;
-        for number in &self.0 {
-            tuple.serialize_element(number)?;
+/// The covariance of an unknown pose or speed.
+pub const UNKNOWN: Covariance = [[0.0; 6]; 6];
+
+/// Returns the covariance of x, y and heading. All other entries are 0 for a robot on a floor.
+fn on_floor(of: &Matrix3<f64>) -> Covariance {
+    const INDICES: [usize; 3] = [0, 1, 5];
+    let mut all = UNKNOWN;
+    for (row, &index) in INDICES.iter().enumerate() {
+        for (column, &other) in INDICES.iter().enumerate() {
+            all[index][other] = of[(row, column)];
         }
-        tuple.end()
     }
-}
-
-impl<'de> Deserialize<'de> for Covariance {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        struct Numbers;
-
-        impl<'de> Visitor<'de> for Numbers {
-            type Value = Covariance;
-
-            fn expecting(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                to.write_str("36 numbers")
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut from: A) -> Result<Covariance, A::Error> {
-                let mut all = [0.0; 36];
-                for (at, number) in all.iter_mut().enumerate() {
-                    let next = from.next_element()?;
-                    *number = next.ok_or_else(|| A::Error::invalid_length(at, &self))?;
-                }
-                Ok(Covariance(all))
-            }
-        }
-
-        from.deserialize_tuple(36, Numbers)
-    }
-}
-
-impl Covariance {
-    /// The covariance of an unknown pose or speed.
-    pub const UNKNOWN: Self = Self([0.0; 36]);
-
-    /// Returns the covariance of x, y and heading. All other entries are 0 for a robot on a floor.
-    fn on_floor(of: &Matrix3<f64>) -> Self {
-        const INDICES: [usize; 3] = [0, 1, 5];
-        let mut all = [0.0; 36];
-        for (row, &index) in INDICES.iter().enumerate() {
-            for (column, &other) in INDICES.iter().enumerate() {
-                all[6 * index + other] = of[(row, column)];
-            }
-        }
-        Self(all)
-    }
+    all
 }
 
 pub fn time(time_ns: u64) -> Time {
@@ -236,7 +194,7 @@ impl Transforms {
 
 impl Odometry {
     /// Creates the message from the pose of the frame `child` in its parent and its motion in the
-    /// last `since_s` seconds, in its own frame. Covariances are 0, which means unknown.
+    /// last `since_s` seconds, in its own frame. Covariances are unknown.
     pub fn new(
         time_ns: u64,
         [parent, child]: [&'static str; 2],
@@ -251,12 +209,12 @@ impl Odometry {
             child_frame_id: child.into(),
             pose: PoseWithCovariance {
                 pose: pose(at),
-                covariance: Covariance([0.0; 36]),
+                covariance: UNKNOWN,
             },
             twist: TwistWithCovariance {
                 linear: along([x, y, 0.0]),
                 angular: along([0.0, 0.0, per_second(moved.rotation.angle())]),
-                covariance: Covariance([0.0; 36]),
+                covariance: UNKNOWN,
             },
         }
     }
@@ -270,28 +228,8 @@ impl EstimatedPose {
             header: header(time_ns, MAP),
             pose: PoseWithCovariance {
                 pose: pose(at),
-                covariance: Covariance::on_floor(covariance),
+                covariance: on_floor(covariance),
             },
-        }
-    }
-}
-
-impl LaserScan {
-    /// Creates a scan of a whole turn. The first beam pointed ahead at `time_ns`.
-    pub fn new(time_ns: u64, lidar: &LidarParams, ranges: Vec<f32>) -> Self {
-        let beams = f64::from(lidar.beams);
-        let (apart_rad, turn_s) = (TAU / beams, 1.0 / lidar.rate_hz);
-        Self {
-            header: header(time_ns, LASER),
-            angle_min: 0.0,
-            angle_max: (apart_rad * (beams - 1.0)) as f32,
-            angle_increment: apart_rad as f32,
-            time_increment: (turn_s / beams) as f32,
-            scan_time: turn_s as f32,
-            range_min: lidar.nearest_m as f32,
-            range_max: lidar.range_m as f32,
-            ranges,
-            intensities: Vec::new(),
         }
     }
 }

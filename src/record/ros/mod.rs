@@ -7,7 +7,7 @@ mod dead_reckoning;
 mod drive_bag;
 pub mod drive_messages;
 pub mod messages;
-mod schemas;
+mod topics;
 mod turn;
 mod writer;
 
@@ -26,50 +26,22 @@ use dead_reckoning::DeadReckoning;
 pub(crate) use dead_reckoning::rolled;
 pub use drive_bag::{DriveBag, DriveRecording};
 use messages::{
-    BASE, EstimatedPose, LASER, MAP, ODOM, OccupancyGrid, Odometry, TRUE_BASE, Transforms,
+    BASE, EstimatedPose, LASER, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, TRUE_BASE,
+    Transforms,
 };
-use schemas::{GRID, ODOMETRY, POSE, SCAN, TRANSFORMS};
+use topics::Topic;
 use turn::Turns;
-use writer::{RosTopic, RosWriter, encoded};
+use writer::{RosWriter, encoded};
 
-/// The quality of service offered for a topic, as rosbag2 writes it up to metadata version 8, with
-/// the numbers of rmw. The topic keeps the last `depth` messages and delivers them reliably. Late
-/// subscribers get them only if the topic is transient-local (durability 1; 2 is volatile). There
-/// are no deadlines.
-macro_rules! qos {
-    ($depth:literal, $durability:literal) => {
-        concat!(
-            "- history: 1\n  depth: ", $depth, "\n  reliability: 1\n  durability: ", $durability,
-            "\n  deadline:\n    sec: 9223372036\n    nsec: 854775807\n  lifespan:\n    sec: 9223372036\n    \
-             nsec: 854775807\n  liveliness: 1\n  liveliness_lease_duration:\n    sec: 9223372036\n    \
-             nsec: 854775807\n  avoid_ros_namespace_conventions: false"
-        )
-    };
-}
-const VOLATILE: &str = qos!(10, 2);
-const TRANSIENT_LOCAL: &str = qos!(1, 1);
-
-/// A topic of the file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Topic {
-    Tf,
-    TfStatic,
-    Odom,
-    Pose,
-    Scan,
-    Map,
-    GroundTruth,
-}
-
-/// The topics in the order of [`Topic`]: name, type and quality of service.
-const TOPICS: [RosTopic; 7] = [
-    ("/tf", TRANSFORMS, VOLATILE),
-    ("/tf_static", TRANSFORMS, TRANSIENT_LOCAL),
-    ("/odom", ODOMETRY, VOLATILE),
-    ("/pose", POSE, VOLATILE),
-    ("/scan", SCAN, VOLATILE),
-    ("/map", GRID, TRANSIENT_LOCAL),
-    ("/ground_truth/odom", ODOMETRY, VOLATILE),
+/// The topics of the file.
+const TOPICS: [Topic; 7] = [
+    Topic::Tf,
+    Topic::TfStatic,
+    Topic::Odom,
+    Topic::Pose,
+    Topic::Scan,
+    Topic::Map,
+    Topic::GroundTruth,
 ];
 
 fn write_error(cause: McapError) -> RecordError {
@@ -141,7 +113,7 @@ impl RosBag {
         self.pending.sort_by_key(|(time_ns, ..)| *time_ns);
         for (time_ns, topic, message) in self.pending.drain(..) {
             self.now_ns = self.now_ns.max(time_ns);
-            self.writer.write(topic as usize, time_ns, &message)?;
+            self.writer.write(topic, time_ns, &message)?;
         }
         Ok(())
     }
@@ -158,7 +130,7 @@ impl RosBag {
     fn follow(&mut self, view: &View<'_>, first: usize) {
         for beam in view.sensed.iter().flat_map(|sensed| sensed.beams) {
             if let Some(scan) = self.turns.beam(beam) {
-                self.queue(Topic::Scan, beam.time_ns, &scan);
+                self.queue(Topic::Scan, beam.time_ns, &LaserScan::from(&scan));
             }
         }
         for (at, sample) in view.trace.iter().enumerate().skip(first) {
@@ -215,7 +187,7 @@ impl Observer for RosBag {
         if let Some(scan) = self.turns.end()
             && self.fault.is_none()
         {
-            self.queue(Topic::Scan, self.now_ns, &scan);
+            self.queue(Topic::Scan, self.now_ns, &LaserScan::from(&scan));
             self.fault = self.write().err();
         }
         match self.fault.is_some() || self.only == Some(episode.episode) {

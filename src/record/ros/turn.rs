@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::messages::LaserScan;
 use crate::arena::{Beam, LidarParams};
+use crate::drive::Scan;
 use crate::record::topics::scan::angle;
 
 /// Collects beams into turns.
@@ -20,7 +20,7 @@ struct Turn {
     last: usize,
     /// The ranges by beam number, counted from straight ahead. Infinity means no echo, and minus
     /// infinity an echo that is too near (REP 117). NaN means that no beam was sent.
-    ranges: Vec<f32>,
+    ranges_m: Vec<f64>,
 }
 
 impl Turns {
@@ -31,7 +31,7 @@ impl Turns {
 
     /// Adds a beam. Returns the previous turn if the beam starts a new turn, or its own turn if the beam is the
     /// last one.
-    pub fn beam(&mut self, beam: &Beam) -> Option<LaserScan> {
+    pub fn beam(&mut self, beam: &Beam) -> Option<Scan> {
         let beams = self.lidar.beams as usize;
         let apart_rad = TAU / beams as f64;
         let number = (angle(beam.bearing) / apart_rad).round() as usize % beams;
@@ -44,10 +44,10 @@ impl Turns {
         let turn = self.turn.get_or_insert_with(|| Turn {
             begin_ns: beam.time_ns.saturating_sub(since_ns),
             last: number,
-            ranges: vec![f32::NAN; beams],
+            ranges_m: vec![f64::NAN; beams],
         });
         turn.last = number;
-        turn.ranges[number] = beam.range_m.map_or(f32::INFINITY, |range_m| range_m as f32);
+        turn.ranges_m[number] = beam.range_m.unwrap_or(f64::INFINITY);
         match over {
             None if number + 1 == beams => self.end(),
             over => over,
@@ -55,9 +55,9 @@ impl Turns {
     }
 
     /// Ends the current turn, even if beams are missing.
-    pub fn end(&mut self) -> Option<LaserScan> {
+    pub fn end(&mut self) -> Option<Scan> {
         let turn = self.turn.take()?;
-        Some(LaserScan::new(turn.begin_ns, &self.lidar, turn.ranges))
+        Some(Scan::of_turn(turn.begin_ns, &self.lidar, turn.ranges_m))
     }
 }
 
@@ -84,9 +84,9 @@ mod tests {
         }
     }
 
-    fn ranges(scan: Option<LaserScan>) -> Option<Vec<String>> {
-        let show = |range: &f32| range.to_string();
-        scan.map(|scan| scan.ranges.iter().map(show).collect())
+    fn ranges(scan: Option<Scan>) -> Option<Vec<String>> {
+        let show = |range: &f64| range.to_string();
+        scan.map(|scan| scan.ranges_m.iter().map(show).collect())
     }
 
     #[test]

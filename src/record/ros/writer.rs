@@ -1,5 +1,6 @@
 //! MCAP files with messages of ROS 2.
 
+use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
 use byteorder::LittleEndian;
@@ -7,43 +8,42 @@ use mcap::records::MessageHeader;
 use mcap::{Compression, McapResult, WriteOptions, Writer};
 use serde::Serialize;
 
-use super::schemas::Interface;
+use super::topics::Topic;
 
 /// The CDR encapsulation header: little-endian, no options.
 pub const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 const LIBRARY: &str = concat!("xcscr/", env!("CARGO_PKG_VERSION"));
 
-/// A topic: its name, its type and its quality of service.
-pub type RosTopic = (&'static str, Interface, &'static str);
-
-/// A file that is being written. Its topics have the numbers of their declaration.
-pub struct RosWriter<W: Write + Seek> {
+/// A file that is being written.
+pub(super) struct RosWriter<W: Write + Seek> {
     writer: Writer<W>,
-    channels: Vec<u16>,
+    channels: BTreeMap<Topic, u16>,
 }
 
 impl<W: Write + Seek> RosWriter<W> {
     /// Begins a file with its topics.
-    pub fn begin(out: W, topics: &[RosTopic]) -> McapResult<Self> {
+    pub fn begin(out: W, topics: &[Topic]) -> McapResult<Self> {
         let mut writer = WriteOptions::new()
             .compression(Some(Compression::Zstd))
             .compression_threads(0)
             .profile("ros2")
             .library(LIBRARY)
             .create(out)?;
-        let mut channels = Vec::new();
-        for (topic, (name, definition), qos) in topics {
-            let schema = writer.add_schema(name, "ros2msg", definition.as_bytes())?;
-            let metadata = [("offered_qos_profiles".to_owned(), (*qos).to_owned())].into();
-            channels.push(writer.add_channel(schema, topic, "cdr", &metadata)?);
+        let mut channels = BTreeMap::new();
+        for &topic in topics {
+            let (interface, definition) = topic.interface();
+            let schema = writer.add_schema(interface, "ros2msg", definition.as_bytes())?;
+            let metadata = [("offered_qos_profiles".to_owned(), topic.qos().to_owned())].into();
+            let channel = writer.add_channel(schema, topic.name(), "cdr", &metadata)?;
+            channels.insert(topic, channel);
         }
         Ok(Self { writer, channels })
     }
 
-    /// Writes an encoded message of topic number `topic`.
-    pub fn write(&mut self, topic: usize, time_ns: u64, message: &[u8]) -> McapResult<()> {
+    /// Writes an encoded message of a topic of the file.
+    pub fn write(&mut self, topic: Topic, time_ns: u64, message: &[u8]) -> McapResult<()> {
         let header = MessageHeader {
-            channel_id: self.channels[topic],
+            channel_id: self.channels[&topic],
             sequence: 0,
             log_time: time_ns,
             publish_time: time_ns,
