@@ -275,7 +275,7 @@ fn create_log(run: &ShownRun<'_>) -> McapResult<LogFile<Vec<u8>>> {
     let mut log = LogFile::new(Vec::new(), Packing::Small)?;
     log.facts(&run.facts(None), 0)?;
     log.attach("foxglove-layout.json", 0, &layout::of_episode(run.maze))?;
-    log.declare(RecordingKind::Highlights, &run.topics())?;
+    log.declare(RecordingKind::Highlights, &run.topics(), None)?;
     Ok(log)
 }
 

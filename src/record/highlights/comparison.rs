@@ -55,9 +55,9 @@ fn create(highlights: &[HighlightsBuilder<'_>; 2], layout: &str) -> McapResult<L
         log.facts(&highlights.run.facts(Some(side)), 0)?;
     }
     log.attach("foxglove-layout.json", 0, layout)?;
-    for (number, (side, highlights)) in SIDES.iter().zip(highlights).enumerate() {
-        let (below, topics) = (format!("/{side}"), highlights.run.topics());
-        log.declare_at(number, &below, RecordingKind::Highlights, &topics)?;
+    for (side, highlights) in highlights.iter().enumerate() {
+        let topics = highlights.run.topics();
+        log.declare(RecordingKind::Highlights, &topics, Some(side))?;
     }
     Ok(log)
 }

@@ -58,19 +58,16 @@ impl<W: Write> LogFile<W> {
         self.attach(&below("config.json"), time_ns, &info.config_json)
     }
 
-    /// Declares the topics of this kind of recording, so that they exist even without messages.
-    pub fn declare(&mut self, of: RecordingKind, topics: &[Topic]) -> McapResult<()> {
-        self.declare_at(0, "", of, topics)
-    }
-
-    /// Declares the topics of a side of a comparison, with a prefix of their names.
-    pub fn declare_at(
+    /// Declares the topics of this kind of recording, so that they exist even without messages. The
+    /// topics of a `side` of a comparison are below its name.
+    pub fn declare(
         &mut self,
-        side: usize,
-        below: &str,
         of: RecordingKind,
         topics: &[Topic],
+        side: Option<usize>,
     ) -> McapResult<()> {
+        let below = side.map_or(String::new(), |side| format!("/{}", SIDES[side]));
+        let side = side.unwrap_or(0);
         for &topic in topics {
             let schema = topic.schema(of);
             let (name, encoding) = (format!("{below}{}", topic.name()), &schema.encoding);
@@ -147,7 +144,7 @@ impl<W: Write> LogFile<W> {
     }
 }
 
-/// A [`LogFile`] on disk, called `NAME.part` until it is finished.
+/// A [`LogFile`] on disk, called `NAME.part` or alike until it is finished.
 pub struct OpenFile {
     log: LogFile<BufWriter<File>>,
     /// A second handle of the same file, to sync the file while it is written.
@@ -157,13 +154,8 @@ pub struct OpenFile {
 }
 
 impl OpenFile {
-    /// Creates `folder/name.part` and replaces an older file.
-    pub fn create(folder: &Path, name: &str) -> Result<Self, RecordError> {
-        Self::create_as(folder, name, "part", Packing::Small)
-    }
-
-    /// Creates a file with another extension than `part` and this packing.
-    pub fn create_as(
+    /// Creates `folder/name.extension` and replaces an older file.
+    pub fn create(
         folder: &Path,
         name: &str,
         extension: &str,
@@ -270,7 +262,7 @@ mod tests {
     fn write_to(sink: impl Write) -> McapResult<()> {
         let mut log = LogFile::new(sink, Packing::Small)?;
         log.attach("world.json", 0, "{}")?;
-        log.declare(RecordingKind::Run, Topic::ALL)?;
+        log.declare(RecordingKind::Run, Topic::ALL, None)?;
         for time_ns in 0..50 {
             log.message(Topic::Step, time_ns, b"{}")?;
         }
@@ -293,7 +285,8 @@ mod tests {
     fn a_message_on_a_topic_that_the_file_lacks_is_left_out() {
         let mut bytes = Vec::new();
         let mut log = LogFile::new(&mut bytes, Packing::Small).unwrap();
-        log.declare(RecordingKind::Run, &[Topic::Log]).unwrap();
+        log.declare(RecordingKind::Run, &[Topic::Log], None)
+            .unwrap();
         log.message(Topic::Step, 0, b"{}").unwrap();
         log.finish().unwrap();
         let summary = mcap::Summary::read(&bytes).unwrap().unwrap();

@@ -252,7 +252,7 @@ impl Recorder {
 
     fn open_run(&self, extension: &str, packing: Packing) -> Result<OpenFile, RecordError> {
         let name = RecordingKind::Run.file_name();
-        let file = OpenFile::create_as(&self.folder, &name, extension, packing)?;
+        let file = OpenFile::create(&self.folder, &name, extension, packing)?;
         self.introduce(file, RecordingKind::Run, &Topic::of_run())
     }
 
@@ -276,7 +276,7 @@ impl Recorder {
                 let [_, layout] = &self.layouts;
                 log.attach("foxglove-layout.json", self.memory.clock_ns, layout)?;
             }
-            log.declare(kind, topics)
+            log.declare(kind, topics, None)
         })?;
         Ok(file)
     }
@@ -286,7 +286,8 @@ impl Recorder {
         if self.memory.mode.wants(episode) {
             let kind = RecordingKind::Episode(episode);
             let beams = self.memory.mode == RecordMode::Beams;
-            let file = OpenFile::create(&self.folder, &kind.file_name())?;
+            let name = kind.file_name();
+            let file = OpenFile::create(&self.folder, &name, "part", Packing::Small)?;
             let topics = Topic::of_episode(view.sensed.is_some(), beams);
             self.outbox.episode = Some(self.introduce(file, kind, &topics)?);
         }
