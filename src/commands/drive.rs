@@ -67,7 +67,7 @@ impl DriveArgs {
         if self.run.is_file() {
             let source = Source::of(&self.run)?;
             let knowledge = source.knowledge()?;
-            return Ok((source.plan, knowledge));
+            return Ok((source.run.plan, knowledge));
         }
         let folder = RunFolder::open(&self.run);
         Ok((folder.plan()?, folder.knowledge()?))

@@ -45,7 +45,7 @@ impl LearnedArgs {
         let (mut plan, knowledge) = if is_file && is_recording {
             let source = Source::of(&self.run)?;
             let knowledge = source.knowledge()?;
-            (source.plan, knowledge)
+            (source.run.plan, knowledge)
         } else if is_file {
             let knowledge = choices::read_rules(&self.run)?;
             let arena = arena.unwrap_or(ArenaKind::Physics);

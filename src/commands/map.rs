@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use xcscr::disk;
 use xcscr::picture::{Animation, FilmError, Scenes};
-use xcscr::run::{RunFolder, Source};
+use xcscr::run::{Rerun, RunFolder, Source};
 use xcscr::trial::Plan;
 
 use super::failure::{Exit, Failure};
@@ -46,7 +46,7 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         Some(episode) => Scenes::After(episode),
         None => Scenes::Last,
     };
-    let animation = Animation::of(&plan, scenes)?;
+    let animation = Animation::of(&Rerun::training(plan), scenes)?;
     let picture = match kind {
         Kind::Svg => animation.svg().into_bytes(),
         Kind::Png => animation.png()?,
@@ -76,7 +76,7 @@ fn plan(args: &MapArgs) -> Result<(Plan, Option<u32>), Failure> {
     if args.run.exists() && !args.run.is_dir() {
         let source = Source::of(&args.run)?;
         source.require_training()?;
-        return Ok((source.plan, source.extent.episode()));
+        return Ok((source.run.plan, source.extent.episode()));
     }
     let folder = RunFolder::open(&args.run);
     let plan = folder.plan()?;
@@ -95,7 +95,7 @@ fn plan(args: &MapArgs) -> Result<(Plan, Option<u32>), Failure> {
 impl From<FilmError> for Failure {
     fn from(error: FilmError) -> Self {
         match error {
-            FilmError::Plan(error) => error.into(),
+            FilmError::Run(error) => error.into(),
             FilmError::NoSuchEpisode { .. } => Self::new(Exit::Usage, error.to_string()),
             FilmError::Picture(_) => Self::new(Exit::BadData, error.to_string()),
         }

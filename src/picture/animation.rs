@@ -2,9 +2,11 @@
 
 use std::ops::ControlFlow;
 
+use super::{drawing, moving_png, pixels};
 use crate::arena::View;
 use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
-use crate::trial::{Judge, Plan, PlanError, Trial, steps_to_goal};
+use crate::run::{Rerun, RunError};
+use crate::trial::{Judge, Plan, steps_to_goal};
 use crate::world::{Cell, Maze, Paths};
 
 /// The most frames of an animation. If the policy changes more often, some changes are skipped.
@@ -25,7 +27,7 @@ pub enum Scenes {
 
 /// A frame of an animation: an episode and the policy after it.
 #[derive(Debug, Clone)]
-pub struct Moment {
+pub(super) struct Moment {
     /// The result of the episode.
     pub episode: Episode,
     /// The policy after the episode.
@@ -53,9 +55,9 @@ pub struct Animation {
 /// Errors when making a picture.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmError {
-    /// The trial cannot be run.
+    /// The run cannot be repeated.
     #[error(transparent)]
-    Plan(#[from] PlanError),
+    Run(#[from] RunError),
     /// The run has too few episodes.
     #[error("there is no episode {wanted}: the run has {episodes}")]
     NoSuchEpisode {
@@ -70,12 +72,13 @@ pub enum FilmError {
 }
 
 impl Animation {
-    /// Repeats the trial as far as needed and collects the frames.
+    /// Repeats a run as far as needed and collects the frames.
     ///
     /// # Errors
-    /// When the plan cannot be run or has no such episode, or when the maze has more than a million
+    /// When the run cannot be repeated or has no such episode, or when the maze has more than a million
     /// cells.
-    pub fn of(plan: &Plan, scenes: Scenes) -> Result<Self, FilmError> {
+    pub fn of(run: &Rerun, scenes: Scenes) -> Result<Self, FilmError> {
+        let plan = &run.plan;
         check_size(&plan.maze)?;
         let episodes = plan.config.episodes;
         let last = match scenes {
@@ -83,14 +86,13 @@ impl Animation {
             Scenes::After(wanted) if (1..=episodes).contains(&wanted) => wanted,
             Scenes::After(wanted) => return Err(FilmError::NoSuchEpisode { wanted, episodes }),
         };
-        let mut trial = Trial::new(plan.clone())?;
-        let mut camera = Camera::new(last, scenes == Scenes::Forming, trial.plan());
-        // The camera ends the trial.
-        let _ = trial.run(&mut camera);
+        let mut camera = Camera::new(last, scenes == Scenes::Forming, plan);
+        // The camera ends the run.
+        run.watch(&mut camera)?;
         let config = &plan.config;
         let (world, method) = (plan.maze.name(), config.method.name());
         let (arena, seed) = (config.arena.name(), config.seed);
-        let arrows = match trial.method().remembers() {
+        let arrows = match camera.remembers {
             true => "arrows: as if an episode began there",
             false => "",
         };
@@ -103,9 +105,22 @@ impl Animation {
         })
     }
 
-    /// The frames, in order.
-    pub fn moments(&self) -> &[Moment] {
-        &self.moments
+    /// Renders an SVG document, animated if there are several frames.
+    pub fn svg(&self) -> String {
+        drawing::draw(self).document()
+    }
+
+    /// Renders a PNG file, animated (APNG) if there are several frames.
+    ///
+    /// # Errors
+    /// When the picture is too large.
+    pub fn png(&self) -> Result<Vec<u8>, FilmError> {
+        let drawing = drawing::draw(self);
+        let picture = match drawing.frames.len() {
+            1 => pixels::png(&drawing.document()),
+            _ => moving_png::png(&drawing),
+        };
+        picture.map_err(FilmError::Picture)
     }
 }
 
@@ -130,6 +145,8 @@ struct Camera {
     changes: usize,
     stride: usize,
     judge: Judge,
+    /// True if decisions depend on earlier percepts of the episode.
+    remembers: bool,
     visited: Vec<Cell>,
     moments: Vec<Moment>,
 }
@@ -143,6 +160,7 @@ impl Camera {
             changes: 0,
             stride: 1,
             judge: Judge::new(maze, config.sensor, config.settings.arena.slip),
+            remembers: false,
             visited: Vec::new(),
             moments: Vec::new(),
         }
@@ -193,6 +211,7 @@ impl Observer for Camera {
         }
         let (method, sensor, maze) = (learned.method, learned.sensor, learned.view.maze);
         let policy = PolicyMap::of(method, sensor, maze);
+        self.remembers = method.remembers();
         if self.keeps(&policy) || is_last {
             let from = self.visited[0];
             self.moments.push(Moment {
@@ -257,10 +276,14 @@ mod tests {
         Maze::from_json(format!(r#"{{ "rows": {rows:?} }}"#).as_bytes(), "hall").unwrap()
     }
 
+    fn filmed(plan: Plan, scenes: Scenes) -> Result<Animation, FilmError> {
+        Animation::of(&Rerun::training(plan), scenes)
+    }
+
     #[test]
     fn a_maze_of_more_than_a_million_cells_is_not_drawn_and_the_message_suggests_an_alternative() {
         let plan = Plan::new(hall(4096, 257)).episodes(1);
-        let refused = Animation::of(&plan, Scenes::Last).err();
+        let refused = filmed(plan, Scenes::Last).err();
         let refused = refused.expect("it has too many cells").to_string();
         for part in ["hall has 1052672 cells", "xcscr rules RUN --cell COL,ROW"] {
             assert!(refused.contains(part), "{refused}");
@@ -270,15 +293,15 @@ mod tests {
     #[test]
     fn control_a_small_maze_is_drawn() {
         let plan = Plan::new(hall(40, 5)).arena(ArenaKind::Grid).episodes(1);
-        let animation = Animation::of(&plan, Scenes::Last).unwrap();
-        assert_eq!(animation.moments().len(), 1);
+        let animation = filmed(plan, Scenes::Last).unwrap();
+        assert_eq!(animation.moments.len(), 1);
     }
 
     #[test]
     fn an_animation_shows_the_episodes_that_changed_the_policy_and_the_last_one() {
         let plan = Plan::new(hall(40, 5)).arena(ArenaKind::Grid).episodes(30);
-        let animation = Animation::of(&plan, Scenes::Forming).unwrap();
-        let [before @ .., last] = animation.moments() else {
+        let animation = filmed(plan, Scenes::Forming).unwrap();
+        let [before @ .., last] = &animation.moments[..] else {
             panic!("there is no frame");
         };
         assert_eq!(last.episode.episode, 30);
@@ -292,9 +315,8 @@ mod tests {
     fn frames_are_thinned_if_there_are_many_changes() {
         let maze = Maze::find(Path::new("maze4")).unwrap();
         let plan = Plan::new(maze).method(Method::Xcscr);
-        let animation =
-            Animation::of(&plan.arena(ArenaKind::Grid).episodes(300), Scenes::Forming).unwrap();
-        let shown = animation.moments().len();
+        let animation = filmed(plan.arena(ArenaKind::Grid).episodes(300), Scenes::Forming).unwrap();
+        let shown = animation.moments.len();
         assert!((20..=MOST_FRAMES).contains(&shown), "{shown}");
     }
 }

@@ -1,25 +1,29 @@
-//! Converts an animation to shapes.
+//! Draws the frames of an animation.
 
 use std::collections::BTreeSet;
 
 use super::animation::{Animation, Moment};
-use super::arrow::{Heading, NO_GOAL, SCALE};
-use super::shapes::{Colour, Drawing, Shape};
+use super::colours::{NO_GOAL, css, shade};
+use super::svg::{Drawing, Element, SCALE, decimals, short};
 use crate::world::{Cell, Direction, Maze, Paths};
 
-const PAPER: Colour = Colour::hex(0xffffff);
-const INK: Colour = Colour::hex(0x1d2430);
-const FAINT: Colour = Colour::hex(0x5d6675);
-const GRID: Colour = Colour::hex(0xd9dee6);
-const WALL: Colour = Colour::hex(0x3d4757);
-const VISITED: Colour = Colour::hex(0xd3d8e0);
-const SLIPPERY: Colour = Colour::hex(0xe0f0fb);
-const START: Colour = Colour::hex(0xf4b740);
-const GOAL: Colour = Colour::hex(0x7fdca0);
-const REWARD: Colour = Colour::hex(0xe3cdf9);
-const PATH: Colour = Colour::hex(0x9cc3f5);
+const PAPER: u32 = 0xffffff;
+const INK: u32 = 0x1d2430;
+const FAINT: u32 = 0x5d6675;
+const GRID: u32 = 0xd9dee6;
+const WALL: u32 = 0x3d4757;
+const VISITED: u32 = 0xd3d8e0;
+const SLIPPERY: u32 = 0xe0f0fb;
+const START: u32 = 0xf4b740;
+const GOAL: u32 = 0x7fdca0;
+const REWARD: u32 = 0xe3cdf9;
+const PATH: u32 = 0x9cc3f5;
 /// The colour of all actions that are not best.
-const NONE: Colour = Colour::hex(0xb9c0cc);
+const NONE: u32 = 0xb9c0cc;
+
+/// The outline of an arrow of length 1 that points east, with its tail at the origin.
+const ARROW: &str = "<path id=\"a\" \
+    d=\"M0 -0.07L0.58 -0.07L0.58 -0.24L1 0L0.58 0.24L0.58 0.07L0 0.07z\"/>";
 
 /// Margin around the picture, in pixels.
 const MARGIN: f64 = 16.0;
@@ -46,13 +50,15 @@ struct Plane<'a> {
 pub(super) fn draw(animation: &Animation) -> Drawing {
     let plane = Plane::new(&animation.maze);
     let frames = animation.moments.iter();
+    let longest = frames.clone().map(|frame| frame.greedy_path.len()).max();
     Drawing {
         width: plane.width as u32,
         height: plane.height as u32,
         title: animation.title.clone(),
+        definitions: ARROW,
         ground: plane.ground(),
         frames: frames
-            .map(|frame| plane.frame(frame, &animation.paths))
+            .map(|frame| plane.frame(frame, longest.unwrap_or(0), &animation.paths))
             .collect(),
         labels: plane.labels(animation),
     }
@@ -85,14 +91,14 @@ impl<'a> Plane<'a> {
     }
 
     /// Returns the square of a cell, smaller by `inset` on each side.
-    fn tile(&self, cell: Cell, inset: f64, fill: Colour) -> Shape {
+    fn tile(&self, cell: Cell, inset: f64, fill: u32) -> Element {
         let (left, top) = self.corner(cell);
         let edge = self.cell - 2.0 * inset;
         block(left + inset, top + inset, edge, edge, fill)
     }
 
     /// Paper, floor and walls.
-    fn ground(&self) -> Vec<Shape> {
+    fn ground(&self) -> Vec<Element> {
         let maze = self.maze;
         let mut shapes = vec![block(0.0, 0.0, self.width, self.height, PAPER)];
         let (cols, rows) = (f64::from(maze.width()), f64::from(maze.height()));
@@ -103,8 +109,9 @@ impl<'a> Plane<'a> {
         shapes
     }
 
-    /// Returns the shapes that change from frame to frame: visited cells, path, arrows, caption.
-    fn frame(&self, frame: &Moment, paths: &Paths) -> Vec<Shape> {
+    /// Returns the elements that change from frame to frame: visited cells, path, arrows, caption.
+    /// The path gets `longest` points, as in all frames.
+    fn frame(&self, frame: &Moment, longest: usize, paths: &Paths) -> Vec<Element> {
         let mut shapes = Vec::new();
         let visited = frame.visited.iter().map(|&cell| self.maze.index(cell));
         let visited: BTreeSet<usize> = visited.collect();
@@ -118,15 +125,8 @@ impl<'a> Plane<'a> {
             shapes.push(self.tile(cell, 0.5, fill));
         }
         shapes.extend(self.marks());
-        shapes.push(Shape::Line {
-            points: frame
-                .greedy_path
-                .iter()
-                .map(|&cell| self.centre(cell))
-                .collect(),
-            width: 0.12 * self.cell,
-            colour: PATH,
-        });
+        let path = frame.greedy_path.iter().map(|&cell| self.centre(cell));
+        shapes.push(path_line(path.collect(), longest, 0.12 * self.cell));
         shapes.extend(self.arrows(frame));
         let caption = frame.caption(self.maze, paths);
         shapes.push(words(MARGIN, 46.0, 13.0, FAINT, caption));
@@ -135,7 +135,7 @@ impl<'a> Plane<'a> {
 
     /// Returns an arrow for each action in each free cell. Arrows of best actions are long and
     /// coloured by the distance to the goal along the policy. The others are short and faint.
-    fn arrows(&self, frame: &Moment) -> Vec<Shape> {
+    fn arrows(&self, frame: &Moment) -> Vec<Element> {
         let mut shapes = Vec::new();
         let near = frame.policy.nearness(self.maze);
         for ((cell, values), near) in frame.policy.cells().zip(near) {
@@ -144,22 +144,18 @@ impl<'a> Plane<'a> {
                 let is_best = one.is_some() && one == values.greatest();
                 let (length, fill) = match (one, is_best) {
                     (None, _) => (0.0, NONE),
-                    (Some(_), true) => (0.47, near.map_or(Colour::hex(NO_GOAL), shade)),
+                    (Some(_), true) => (0.47, near.map_or(NO_GOAL, shade)),
                     (Some(_), false) => (0.2, NONE),
                 };
-                shapes.push(Shape::Arrow {
-                    tail: self.centre(*cell),
-                    heading: Heading::new(direction),
-                    length: length * self.cell,
-                    fill,
-                });
+                let tail = self.centre(*cell);
+                shapes.push(arrow(tail, direction, length * self.cell, fill));
             }
         }
         shapes
     }
 
     /// Returns the tiles of the start, goals and auxiliary rewards.
-    fn marks(&self) -> Vec<Shape> {
+    fn marks(&self) -> Vec<Element> {
         let start = self.maze.start().map(|cell| (cell, START));
         let goals = self.maze.goals().iter().map(|&cell| (cell, GOAL));
         let paying = self.maze.rewarding_cells().iter();
@@ -171,7 +167,7 @@ impl<'a> Plane<'a> {
     }
 
     /// Returns the letters of start, goals and rewards, the title and the legend.
-    fn labels(&self, animation: &Animation) -> Vec<Shape> {
+    fn labels(&self, animation: &Animation) -> Vec<Element> {
         let start = self.maze.start().map(|cell| (cell, "S"));
         let goals = self.maze.goals().iter().map(|&cell| (cell, "G"));
         let paying = self.maze.rewarding_cells().iter().map(|&cell| (cell, "*"));
@@ -181,7 +177,7 @@ impl<'a> Plane<'a> {
             words(left + 0.1 * self.cell, top + 1.25 * size, size, INK, text)
         };
         let marked = start.into_iter().chain(goals).chain(paying);
-        let mut shapes: Vec<Shape> = marked.map(letter).collect();
+        let mut shapes: Vec<Element> = marked.map(letter).collect();
         shapes.push(words(MARGIN, 26.0, 17.0, INK, &animation.title));
         shapes.extend(self.legend());
         let third = self.height - FOOT + 26.0 + 48.0;
@@ -189,27 +185,19 @@ impl<'a> Plane<'a> {
         shapes
     }
 
-    fn legend(&self) -> Vec<Shape> {
+    fn legend(&self) -> Vec<Element> {
         let first = self.height - FOOT + 26.0;
         let second = first + 24.0;
-        let sample = |x: f64, y: f64, share: f64| Shape::Arrow {
-            tail: (x, y - 4.5),
-            heading: Heading::new(Direction::East),
-            length: 26.0,
-            fill: shade(share),
-        };
+        let sample =
+            |x: f64, y: f64, share: f64| arrow((x, y - 4.5), Direction::East, 26.0, shade(share));
         let says = |x: f64, y: f64, text: &str| words(x, y, 12.0, INK, text);
-        let path = Shape::Line {
-            points: vec![(288.0, first - 4.5), (308.0, first - 4.5)],
-            width: 7.0,
-            colour: PATH,
-        };
+        let path = vec![(288.0, first - 4.5), (308.0, first - 4.5)];
         vec![
             sample(MARGIN, first, 1.0),
             says(50.0, first, "near the goal"),
             sample(152.0, first, 0.0),
             says(186.0, first, "far from it"),
-            path,
+            path_line(path, 2, 7.0),
             says(320.0, first, "greedy path: the best actions"),
             block(MARGIN + 4.0, second - 13.0, 17.0, 17.0, VISITED),
             says(50.0, second, "visited in this episode"),
@@ -218,30 +206,61 @@ impl<'a> Plane<'a> {
     }
 }
 
-fn block(left: f64, top: f64, width: f64, height: f64, fill: Colour) -> Shape {
-    Shape::Rect {
-        left,
-        top,
-        width,
-        height,
-        fill,
-    }
+fn block(left: f64, top: f64, width: f64, height: f64, fill: u32) -> Element {
+    let lengths = [left, top, width, height].map(short);
+    let [x, y, width, height] = lengths;
+    let attributes = [
+        ("x", x),
+        ("y", y),
+        ("width", width),
+        ("height", height),
+        ("fill", css(fill)),
+    ];
+    Element::new("rect", attributes)
 }
 
-fn words(x: f64, y: f64, size: f64, colour: Colour, text: impl Into<String>) -> Shape {
-    Shape::Text {
-        at: (x, y),
-        size,
-        colour,
-        text: text.into(),
+/// Draws a path through points. The last point is repeated up to `longest` points, because viewers
+/// differ in how they change to a path of another length.
+fn path_line(mut points: Vec<(f64, f64)>, longest: usize, width: f64) -> Element {
+    if let Some(&last) = points.last() {
+        points.resize(longest, last);
     }
+    let points = points
+        .iter()
+        .map(|(x, y)| format!("{},{}", short(*x), short(*y)));
+    let attributes = [
+        ("points", points.collect::<Vec<_>>().join(" ")),
+        ("fill", "none".to_owned()),
+        ("stroke", css(PATH)),
+        ("stroke-width", short(width)),
+        ("stroke-linecap", "round".to_owned()),
+        ("stroke-linejoin", "round".to_owned()),
+    ];
+    Element::new("polyline", attributes)
 }
 
-/// Returns the colour of a share, from 0 (far from the goal) to 1 (near the goal).
-fn shade(near: f64) -> Colour {
-    let [far, middle, nearest] = SCALE.map(Colour::hex);
-    match near < 0.5 {
-        true => far.toward(middle, 2.0 * near),
-        false => middle.toward(nearest, 2.0 * near - 1.0),
-    }
+/// Draws an arrow. An arrow of length 0 is invisible.
+fn arrow((x, y): (f64, f64), direction: Direction, length: f64, fill: u32) -> Element {
+    let eighths = Direction::CLOCKWISE
+        .iter()
+        .position(|&one| one == direction);
+    let degrees = 45 * eighths.unwrap_or(0) as i32 - 90;
+    let attributes = [
+        ("href", "#a".to_owned()),
+        (SCALE, decimals(length, 1)),
+        ("fill", css(fill)),
+    ];
+    let place = format!("translate({} {})rotate({degrees})", short(x), short(y));
+    Element::new("use", attributes).in_group(place)
+}
+
+/// Writes text that begins at a point on its baseline.
+fn words(x: f64, y: f64, size: f64, colour: u32, text: impl Into<String>) -> Element {
+    let attributes = [
+        ("x", short(x)),
+        ("y", short(y)),
+        ("font-size", short(size)),
+        ("fill", css(colour)),
+    ];
+    Element::new("text", attributes).with_text(text)
 }

@@ -1,11 +1,10 @@
 //! A preview of a converted map: the map, the cells of the grid, the start and the goals.
 
-use tiny_skia::{
+use resvg::tiny_skia::{
     Color, FillRule, FilterQuality, Paint, PathBuilder, Pixmap, PixmapPaint, PremultipliedColorU8,
     Rect, Stroke, Transform,
 };
 
-use super::pixels;
 use crate::world::{Cell, Gridded, Occupancy, OccupancyMap};
 
 /// Approximate length of the longer side of the picture, in pixels.
@@ -50,7 +49,7 @@ pub fn map_preview(gridded: &Gridded, map: &OccupancyMap) -> Result<Vec<u8>, Str
             look,
         );
     }
-    pixels::encoded(&canvas)
+    canvas.encode_png().map_err(|fault| fault.to_string())
 }
 
 /// Renders the pixels of the map.

@@ -1,16 +1,14 @@
 //! Pictures of the policy over the maze (Figure 5 of the paper), and animations of how it forms.
 
-mod arrow;
-mod drawing;
-mod files;
 mod animation;
-mod glyphs;
+mod colours;
+mod drawing;
 mod map_preview;
 mod moving_png;
 mod pixels;
-mod shapes;
 mod svg;
 
-pub use animation::{Animation, FilmError, Moment, Scenes};
-pub(crate) use arrow::{NO_GOAL, SCALE};
+pub use animation::{Animation, FilmError, Scenes};
+pub(crate) use colours::{NO_GOAL, SCALE, css};
 pub use map_preview::map_preview;
+pub(crate) use pixels::{FONT, png};

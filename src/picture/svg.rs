@@ -1,40 +1,103 @@
-//! Drawings as SVG, static or animated (SMIL).
+//! SVG documents, static or animated (SMIL).
 
 use std::fmt::Write;
 
-use super::arrow::OUTLINE;
-use super::shapes::{Colour, Drawing, FRAME_MS, LAST_FRAME_MS, Shape};
 use crate::page::escaped;
 
-/// Renders an SVG document.
-pub(super) fn document(drawing: &Drawing) -> String {
-    let (width, height) = (drawing.width, drawing.height);
-    let mut text = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
-         width=\"{width}\" height=\"{height}\" \
-         font-family=\"DejaVu Sans, Verdana, sans-serif\">\n<title>{}</title>\n<defs>\
-         <path id=\"a\" d=\"{}\"/></defs>\n",
-        escaped(&drawing.title),
-        arrow_path()
-    );
-    let clock = Clock::new(drawing.frames.len());
-    for shape in &drawing.ground {
-        element(&mut text, &[shape], &clock);
-    }
-    for number in 0..drawing.frames[0].len() {
-        let track: Vec<&Shape> = drawing.frames.iter().map(|frame| &frame[number]).collect();
-        element(&mut text, &track, &clock);
-    }
-    for shape in &drawing.labels {
-        element(&mut text, &[shape], &clock);
-    }
-    text.push_str("</svg>\n");
-    text
+/// Duration of a frame of an animation, in milliseconds.
+pub(super) const FRAME_MS: u32 = 250;
+/// Duration of the last frame, in milliseconds.
+pub(super) const LAST_FRAME_MS: u32 = 3000;
+/// The attribute that scales an element about its origin.
+pub(super) const SCALE: &str = "scale";
+
+/// An element. All lengths are in pixels of the picture; y points down.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Element {
+    tag: &'static str,
+    attributes: Vec<(&'static str, String)>,
+    text: String,
+    /// The transformation of the group that contains the element; empty without a group.
+    group: String,
 }
 
-fn arrow_path() -> String {
-    let points = OUTLINE.map(|(x, y)| format!("{} {}", short(x), short(y)));
-    format!("M{}z", points.join("L"))
+/// A picture of one frame or several. All frames have the same kinds of elements, with the same
+/// attributes, in the same order.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Drawing {
+    pub width: u32,
+    pub height: u32,
+    pub title: String,
+    /// The elements that others use by their identifiers.
+    pub definitions: &'static str,
+    /// The static elements below the frames.
+    pub ground: Vec<Element>,
+    /// The elements of each frame; at least one frame.
+    pub frames: Vec<Vec<Element>>,
+    /// The static elements above the frames.
+    pub labels: Vec<Element>,
+}
+
+impl Element {
+    /// Creates an element without text.
+    pub fn new<const N: usize>(tag: &'static str, attributes: [(&'static str, String); N]) -> Self {
+        Self {
+            tag,
+            attributes: attributes.into(),
+            text: String::new(),
+            group: String::new(),
+        }
+    }
+
+    /// Sets the text inside the element.
+    pub fn with_text(self, text: impl Into<String>) -> Self {
+        let text = text.into();
+        Self { text, ..self }
+    }
+
+    /// Puts the element into a group with a transformation.
+    pub fn in_group(self, group: String) -> Self {
+        Self { group, ..self }
+    }
+
+    /// Returns true if the element is scaled to nothing.
+    fn is_hidden(&self) -> bool {
+        let mut attributes = self.attributes.iter();
+        attributes.any(|(name, value)| *name == SCALE && value == "0")
+    }
+}
+
+impl Drawing {
+    /// Renders all frames as a document.
+    pub fn document(&self) -> String {
+        self.document_of(&self.frames)
+    }
+
+    /// Renders some of the frames as a document.
+    pub fn document_of(&self, frames: &[Vec<Element>]) -> String {
+        let (width, height) = (self.width, self.height);
+        let mut text = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
+             width=\"{width}\" height=\"{height}\" \
+             font-family=\"DejaVu Sans, Verdana, sans-serif\">\n<title>{}</title>\n\
+             <defs>{}</defs>\n",
+            escaped(&self.title),
+            self.definitions
+        );
+        let clock = Clock::new(frames.len());
+        for element in &self.ground {
+            write(&mut text, &[element], &clock);
+        }
+        for number in 0..frames[0].len() {
+            let track: Vec<&Element> = frames.iter().map(|frame| &frame[number]).collect();
+            write(&mut text, &track, &clock);
+        }
+        for element in &self.labels {
+            write(&mut text, &[element], &clock);
+        }
+        text.push_str("</svg>\n");
+        text
+    }
 }
 
 /// The start of each frame, as a share of the total duration.
@@ -54,175 +117,76 @@ impl Clock {
         }
     }
 
-    /// Returns the timing attributes of every animation. Values change without interpolation.
-    fn attributes(&self) -> String {
+    /// Returns the animation of an attribute; empty if all its values are equal. Values change
+    /// without interpolation.
+    fn animation(&self, name: &str, values: &[&str]) -> String {
+        if values.iter().all(|value| *value == values[0]) {
+            return String::new();
+        }
+        let what = match name {
+            SCALE => "animateTransform type=\"scale\" attributeName=\"transform\"".to_owned(),
+            _ => format!("animate attributeName=\"{name}\""),
+        };
+        let (times, total_ms, values) = (&self.key_times, self.total_ms, values.join(";"));
         format!(
-            "keyTimes=\"{}\" dur=\"{}ms\" calcMode=\"discrete\" repeatCount=\"indefinite\"",
-            self.key_times, self.total_ms
+            "<{what} keyTimes=\"{times}\" dur=\"{total_ms}ms\" calcMode=\"discrete\" \
+             repeatCount=\"indefinite\" values=\"{values}\"/>"
         )
     }
+}
 
-    /// Animates an attribute, unless all its values are equal.
-    fn animate(&self, text: &mut String, kind: &str, attribute: &str, values: &[String]) {
-        if values.iter().all(|value| *value == values[0]) {
-            return;
-        }
-        let (values, time) = (values.join(";"), self.attributes());
-        let _ = write!(
-            text,
-            "<{kind} attributeName=\"{attribute}\" {time} values=\"{values}\"/>"
-        );
+/// Writes an element over all frames; nothing if it is never visible. Viewers without animation
+/// show the last frame.
+fn write(out: &mut String, track: &[&Element], clock: &Clock) {
+    let last = track[track.len() - 1];
+    if track.iter().all(|element| element.is_hidden()) {
+        return;
     }
-}
-
-/// Returns the last value, which viewers without animation show.
-fn still(values: &[String]) -> &str {
-    values.last().map_or("", String::as_str)
-}
-
-/// Writes a shape over all frames; nothing if it is never visible.
-fn element(text: &mut String, track: &[&Shape], clock: &Clock) {
-    // Writing to a string cannot fail.
-    let _ = match track[0] {
-        Shape::Rect { .. } => rect(text, track, clock),
-        Shape::Line { .. } => line(text, track, clock),
-        Shape::Arrow { .. } => arrow(text, track, clock),
-        Shape::Text { .. } => words(text, track, clock),
-    };
-}
-
-fn rect(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result {
-    let Shape::Rect {
-        left,
-        top,
-        width,
-        height,
-        ..
-    } = track[0]
-    else {
-        return Ok(());
-    };
-    let fills = track.iter().filter_map(|shape| match shape {
-        Shape::Rect { fill, .. } => Some(hex(*fill)),
-        _ => None,
-    });
-    let fills: Vec<String> = fills.collect();
-    let [left, top, width, height] = [left, top, width, height].map(|&length| short(length));
-    write!(
-        text,
-        "<rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" fill=\"{}\">",
-        still(&fills)
-    )?;
-    clock.animate(text, "animate", "fill", &fills);
-    text.write_str("</rect>\n")
-}
-
-fn line(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result {
-    let Shape::Line { width, colour, .. } = track[0] else {
-        return Ok(());
-    };
-    let lines = track.iter().filter_map(|shape| match shape {
-        Shape::Line { points, .. } => Some(points.as_slice()),
-        _ => None,
-    });
-    let longest = lines.clone().map(<[_]>::len).max().unwrap_or(0);
-    let lines: Vec<String> = lines.map(|points| padded_points(points, longest)).collect();
-    write!(
-        text,
-        "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" \
-         stroke-linecap=\"round\" stroke-linejoin=\"round\">",
-        still(&lines),
-        hex(*colour),
-        short(*width)
-    )?;
-    clock.animate(text, "animate", "points", &lines);
-    text.write_str("</polyline>\n")
-}
-
-/// Formats the points of a line and repeats the last point up to `longest` points. Viewers differ
-/// in how they blend lines of different lengths.
-fn padded_points(points: &[(f64, f64)], longest: usize) -> String {
-    let last = points.iter().cycle().skip(points.len().saturating_sub(1));
-    let padding = last.step_by(points.len().max(1));
-    let points = points.iter().chain(padding).take(longest);
-    let points = points.map(|(x, y)| format!("{},{}", short(*x), short(*y)));
-    points.collect::<Vec<_>>().join(" ")
-}
-
-fn arrow(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result {
-    let Shape::Arrow { tail, heading, .. } = track[0] else {
-        return Ok(());
-    };
-    let looks = track.iter().filter_map(|shape| match shape {
-        Shape::Arrow { length, fill, .. } => Some((decimals(*length, 1), hex(*fill))),
-        _ => None,
-    });
-    let (lengths, fills): (Vec<String>, Vec<String>) = looks.unzip();
-    if lengths.iter().all(|length| length == "0") {
-        return Ok(());
+    if track.iter().any(|element| element.text != last.text) {
+        return write_texts(out, track, clock);
     }
-    write!(
-        text,
-        "<g transform=\"translate({} {})rotate({})\"><use href=\"#a\" \
-         transform=\"scale({})\" fill=\"{}\">",
-        short(tail.0),
-        short(tail.1),
-        heading.degrees(),
-        still(&lengths),
-        still(&fills)
-    )?;
-    let kind = "animateTransform type=\"scale\"";
-    clock.animate(text, kind, "transform", &lengths);
-    clock.animate(text, "animate", "fill", &fills);
-    text.write_str("</use></g>\n")
+    let (tag, is_grouped) = (last.tag, !last.group.is_empty());
+    if is_grouped {
+        let _ = write!(out, "<g transform=\"{}\">", last.group);
+    }
+    let _ = write!(out, "<{tag}");
+    for (name, value) in &last.attributes {
+        let _ = match *name {
+            SCALE => write!(out, " transform=\"scale({value})\""),
+            _ => write!(out, " {name}=\"{value}\""),
+        };
+    }
+    let _ = write!(out, ">{}", escaped(&last.text));
+    for (number, (name, _)) in last.attributes.iter().enumerate() {
+        let values = track
+            .iter()
+            .map(|element| element.attributes[number].1.as_str());
+        out.push_str(&clock.animation(name, &values.collect::<Vec<_>>()));
+    }
+    let _ = write!(out, "</{tag}>{}", if is_grouped { "</g>\n" } else { "\n" });
 }
 
 /// Writes the text of each frame as its own element, because text cannot be animated.
-fn words(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result {
-    for (number, shape) in track.iter().enumerate() {
-        let Shape::Text {
-            at,
-            size,
-            colour,
-            text: said,
-        } = shape
-        else {
-            continue;
-        };
-        let (x, y) = (short(at.0), short(at.1));
-        write!(
-            text,
-            "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" fill=\"{}\"",
-            short(*size),
-            hex(*colour)
-        )?;
-        // The last frame is visible without animation; see [`still`].
-        let shown = |at: usize| if at == number { "inline" } else { "none" };
-        let now = shown(track.len() - 1);
-        let hidden = if now == "none" {
-            " display=\"none\""
-        } else {
-            ""
-        };
-        write!(text, "{hidden}>{}", escaped(said))?;
-        let values: Vec<String> = (0..track.len()).map(|at| shown(at).to_owned()).collect();
-        clock.animate(text, "animate", "display", &values);
-        text.write_str("</text>\n")?;
+fn write_texts(out: &mut String, track: &[&Element], clock: &Clock) {
+    for (own, element) in track.iter().enumerate() {
+        let shown = (0..track.len()).map(|at| {
+            let display = if at == own { "inline" } else { "none" };
+            let mut element = (*element).clone();
+            element.attributes.push(("display", display.to_owned()));
+            element
+        });
+        let shown: Vec<Element> = shown.collect();
+        write(out, &shown.iter().collect::<Vec<_>>(), clock);
     }
-    Ok(())
-}
-
-fn hex(Colour(red, green, blue): Colour) -> String {
-    format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
 /// Formats a length with at most two decimals.
-fn short(length: f64) -> String {
+pub(super) fn short(length: f64) -> String {
     decimals(length, 2)
 }
 
 /// Formats a number with at most `most` decimals.
-fn decimals(number: f64, most: usize) -> String {
+pub(super) fn decimals(number: f64, most: usize) -> String {
     let text = format!("{number:.most$}");
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
@@ -232,9 +196,7 @@ fn decimals(number: f64, most: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::arrow::Heading;
     use super::*;
-    use crate::world::Direction;
 
     #[test]
     fn numbers_are_as_short_as_they_can_be() {
@@ -245,42 +207,14 @@ mod tests {
         assert_eq!(decimals(0.0, 1), "0");
     }
 
-    #[test]
-    fn text_of_a_world_cannot_become_markup() {
-        assert_eq!(escaped("<b>&"), "&lt;b&gt;&amp;");
-    }
-
-    /// Returns a frame with each kind of shape that changes.
-    fn frame(fill: Colour, length: f64, said: &str) -> Vec<Shape> {
-        let (left, top, width, height) = (0.0, 0.0, 8.0, 8.0);
-        let heading = Heading::new(Direction::East);
-        let (at, tail, text) = ((0.0, 9.0), (1.0, 1.0), said.to_owned());
-        let points = vec![(0.0, 0.0), (length, 0.0)];
+    /// Returns a frame with each kind of attribute that changes.
+    fn frame(fill: &str, scale: &str, said: &str) -> Vec<Element> {
+        let fill = ("fill", fill.to_owned());
         vec![
-            Shape::Rect {
-                left,
-                top,
-                width,
-                height,
-                fill,
-            },
-            Shape::Line {
-                points,
-                width,
-                colour: Colour(0, 0, 0),
-            },
-            Shape::Arrow {
-                tail,
-                heading,
-                length,
-                fill,
-            },
-            Shape::Text {
-                at,
-                size: 9.0,
-                colour: Colour(0, 0, 0),
-                text,
-            },
+            Element::new("rect", [("width", "8".to_owned()), fill.clone()]),
+            Element::new("polyline", [("points", format!("0,0 {scale},0"))]),
+            Element::new("use", [(SCALE, scale.to_owned()), fill]).in_group("rotate(45)".into()),
+            Element::new("text", []).with_text(said),
         ]
     }
 
@@ -289,7 +223,8 @@ mod tests {
         let lines = svg
             .lines()
             .filter(|line| !line.contains(" display=\"none\""));
-        let mut shown = lines.collect::<Vec<_>>().join("\n");
+        let shown = lines.collect::<Vec<_>>().join("\n");
+        let mut shown = shown.replace(" display=\"inline\"", "");
         while let Some(from) = shown.find("<animate") {
             let to = from + shown[from..].find("/>").unwrap() + 2;
             shown.replace_range(from..to, "");
@@ -299,17 +234,18 @@ mod tests {
 
     #[test]
     fn viewers_without_animation_show_the_last_frame_in_all_its_parts() {
-        let first = frame(Colour(200, 0, 0), 2.0, "one");
-        let last = frame(Colour(0, 200, 0), 5.0, "two");
+        let (first, last) = (frame("#c00", "2", "one"), frame("#0c0", "5", "two"));
         let svg = |frames| {
-            document(&Drawing {
+            let drawing = Drawing {
                 width: 9,
                 height: 9,
                 title: String::new(),
+                definitions: "",
                 ground: vec![],
                 frames,
                 labels: vec![],
-            })
+            };
+            drawing.document()
         };
         let moving = svg(vec![first.clone(), last.clone()]);
         assert_eq!(moving.matches("<animate").count(), 6, "{moving}");

@@ -8,10 +8,6 @@ use crate::sensor::Sensor;
 
 /// The key of the metadata record `run` that marks a run that is not a training.
 pub(super) const KIND: &str = "kind";
-/// The value of [`KIND`] for an evaluation. A training has no such entry.
-pub(super) const EVALUATION: &str = "evaluation";
-/// The value of [`KIND`] for episodes of an external agent.
-pub(super) const EXTERNAL: &str = "external";
 
 /// The kind of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,6 +18,24 @@ pub enum RunKind {
     Evaluation,
     /// An agent outside of this program chooses the actions. The number of episodes is unknown.
     External,
+}
+
+impl RunKind {
+    /// Returns the value of [`KIND`]. A training has no such entry.
+    fn entry(self) -> Option<&'static str> {
+        match self {
+            Self::Training => None,
+            Self::Evaluation => Some("evaluation"),
+            Self::External => Some("external"),
+        }
+    }
+
+    /// Returns the kind with this value of [`KIND`]. Unknown values give [`Training`](Self::Training).
+    pub(super) fn of_entry(text: Option<&str>) -> Self {
+        let named = [Self::Evaluation, Self::External];
+        let found = named.into_iter().find(|kind| kind.entry() == text);
+        found.unwrap_or(Self::Training)
+    }
 }
 
 /// The facts of a run that its recordings carry.
@@ -55,8 +69,8 @@ pub struct RunInfo {
 impl RunInfo {
     /// Returns world, method, arena, sensor and seed in one line.
     pub(super) fn heading(&self, world: &str) -> String {
-        let (method, arena, sensor) = (&self.method, &self.arena, self.sensor.name());
-        format!("{world}: {method} on {arena}, {sensor}, seed {}", self.seed)
+        let (method, arena, seed) = (&self.method, &self.arena, self.seed.to_string());
+        heading([world, method, arena, self.sensor.name(), &seed])
     }
 
     /// Returns the entries of the metadata record `run`.
@@ -77,16 +91,17 @@ impl RunInfo {
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
             ("world", world.to_owned()),
         ];
-        let kind = match self.kind {
-            RunKind::Training => None,
-            RunKind::Evaluation => Some((KIND, EVALUATION.to_owned())),
-            RunKind::External => Some((KIND, EXTERNAL.to_owned())),
-        };
+        let kind = self.kind.entry().map(|kind| (KIND, kind.to_owned()));
         let is_known = |key: &str| self.kind != RunKind::External || key != "episodes";
         let entries = entries.into_iter().filter(|(key, _)| is_known(key));
         let entries = entries.chain(kind);
         entries.map(|(key, text)| (key.to_owned(), text)).collect()
     }
+}
+
+/// Returns world, method, arena, sensor and seed in one line.
+pub(super) fn heading([world, method, arena, sensor, seed]: [&str; 5]) -> String {
+    format!("{world}: {method} on {arena}, {sensor}, seed {seed}")
 }
 
 /// The kind of a recording.

@@ -31,8 +31,7 @@ impl Comparison {
         };
         let [a, b] = layout::SIDES;
         let made = side_by_side([again(a)?, again(b)?])?;
-        let difference = record::compare(recorded.bytes(), &made.bytes)?;
-        Ok(difference.map(|difference| difference.to_string()))
+        Ok(record::compare(recorded.bytes(), &made.bytes)?)
     }
 }
 
@@ -55,7 +54,7 @@ fn material(path: &Path) -> Result<Material, RunError> {
         false => {
             let source = Source::of(path)?;
             source.require_training()?;
-            Material::again(&source.plan, source.mode)
+            Material::again(&source.run.plan, source.mode)
         }
     }
 }

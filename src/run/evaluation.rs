@@ -50,8 +50,9 @@ pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError
     let is_unfinished = |names: &[String]| {
         names.contains(&format!("{run}.part")) && !names.iter().any(|name| is_of_a_training(name))
     };
-    let is_evaluation = Recording::open(&folder.join(&run)).is_ok_and(|run| run.is_evaluation())
-        || is_unfinished(&names);
+    let recording = Recording::open(&folder.join(&run));
+    let is_evaluation =
+        recording.is_ok_and(|run| run.run_kind() == RunKind::Evaluation) || is_unfinished(&names);
     if !is_evaluation || names.len() < entries.len() || !names.iter().all(|name| is_of_a_run(name))
     {
         return Err(RunFolderError::Foreign(folder.to_owned()));

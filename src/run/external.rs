@@ -29,7 +29,7 @@ pub(super) const EXTERNAL_EPISODES: &str = "external-episodes.json";
 pub(super) const METHOD: &str = "external";
 
 /// An episode of an external agent.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExternalEpisode {
     /// The seed of the arena's noise in this episode.
@@ -155,12 +155,7 @@ impl ExternalRecorder {
     pub fn finish(mut self) -> Result<RecordSummary, RunError> {
         let text = serde_json::to_string(&self.episodes).expect("plain data becomes JSON");
         self.recorder.attach(EXTERNAL_EPISODES, text);
-        let nothing = ExternalEpisode {
-            seed: 0,
-            start: (0, 0),
-            actions: Vec::new(),
-            rewards: Vec::new(),
-        };
+        let nothing = ExternalEpisode::default();
         let script = Script::new(&nothing, self.plan.maze.action_count());
         Ok(self.recorder.finish(&script)?)
     }

@@ -6,6 +6,7 @@ use super::error::RunError;
 use super::evaluation::record_drives;
 use super::facts::run_info;
 use super::folder::RunFolder;
+use super::rerun::Rerun;
 use super::source::{Source, mode_for_highlights, recorded_mode};
 use super::verify::Again;
 use crate::agent::Knowledge;
@@ -44,7 +45,7 @@ impl Source {
     /// written.
     pub fn highlights(&self) -> Result<Vec<u8>, RunError> {
         self.require_training()?;
-        highlights(&self.plan, self.mode)
+        highlights(&self.run.plan, self.mode)
     }
 }
 
@@ -85,8 +86,9 @@ impl Material {
     /// Runs the trial again, with beams if they were recorded before.
     pub fn again(plan: &Plan, mode: RecordMode) -> Result<Self, RunError> {
         require_few_cells(plan)?;
-        let again = Again::train(plan, mode_for_highlights(mode), &mut ())?;
-        let material = Self::in_folder(again.folder.path(), &again.plan, &again.knowledge)?;
+        let run = Rerun::training(plan.clone());
+        let again = Again::of(run, mode_for_highlights(mode), &mut ())?;
+        let material = Self::in_folder(again.folder.path(), plan, &again.knowledge)?;
         Ok(Self {
             _again: Some(again),
             ..material

@@ -1,7 +1,8 @@
 //! A recorded, resumable run in a folder.
 //!
 //! [`Session`] trains, records into a [`RunFolder`], and resumes stopped runs. [`Source`]
-//! identifies the run of a recording, and [`Again`] repeats the run to compare the bytes.
+//! identifies the run of a recording. [`Rerun`] repeats the run for an observer, and [`Again`] to
+//! compare the bytes.
 //! [`RunFolder::highlights`] shows the turning points in less than two minutes.
 //!
 //! # Example
@@ -29,6 +30,7 @@ mod session;
 mod source;
 mod comparison;
 mod highlights;
+mod rerun;
 mod untouched;
 mod verify;
 mod resume_hint;
@@ -38,6 +40,7 @@ pub use evaluation::{clear_evaluation, record_evaluation};
 pub use external::{ExternalEpisode, ExternalRecorder};
 pub use folder::RunFolder;
 pub use highlights::highlights;
+pub use rerun::Rerun;
 pub use session::{Finished, Resumed, Session};
 pub use source::Source;
 pub use verify::Again;

@@ -1,13 +1,11 @@
 //! Recordings for ROS 2, made by repeating the recorded run.
 
 use super::error::RunError;
-use super::evaluation::evaluation_plan;
 use super::folder::RunFolder;
+use super::rerun::Rerun;
 use super::source::Source;
-use crate::agent::Knowledge;
 use crate::arena::ArenaKind;
 use crate::record::{RecordingKind, RosBag};
-use crate::trial::{Evaluation, Plan, Trial};
 
 impl RunFolder {
     /// Returns the run as an MCAP file for ROS 2, with the topics of `docs/src/reference/recordings.md`. The
@@ -16,7 +14,7 @@ impl RunFolder {
     /// # Errors
     /// If the run cannot be read or repeated.
     pub fn ros_bag(&self) -> Result<Vec<u8>, RunError> {
-        bag(&self.plan()?, None, None)
+        bag(&Rerun::training(self.plan()?), None)
     }
 }
 
@@ -40,26 +38,17 @@ impl Source {
                 });
             }
         };
-        bag(&self.plan, self.evaluated.as_ref(), only)
+        bag(&self.run, only)
     }
 }
 
 /// Repeats the run, and writes one episode or all.
-fn bag(plan: &Plan, evaluated: Option<&Knowledge>, only: Option<u32>) -> Result<Vec<u8>, RunError> {
-    let physics = &plan.config.settings.physics;
-    let has_wheels = plan.config.arena == ArenaKind::Physics;
-    let wheel_base_m = has_wheels.then_some(physics.wheel_base_m);
+fn bag(run: &Rerun, only: Option<u32>) -> Result<Vec<u8>, RunError> {
+    let config = &run.plan.config;
+    let physics = &config.settings.physics;
+    let wheel_base_m = (config.arena == ArenaKind::Physics).then_some(physics.wheel_base_m);
     let mut bag = RosBag::new(only, wheel_base_m, physics.lidar.clone())?;
     // The bag breaks on errors, which `finish` returns.
-    match evaluated {
-        Some(knowledge) => {
-            let episodes = plan.config.episodes;
-            let plan = evaluation_plan(plan, knowledge, episodes)?;
-            Evaluation::observed(&plan, knowledge, episodes, &mut bag)?;
-        }
-        None => {
-            let _ = Trial::new(plan.clone())?.run(&mut bag);
-        }
-    }
+    run.watch(&mut bag)?;
     Ok(bag.finish()?)
 }

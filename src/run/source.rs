@@ -1,15 +1,18 @@
 //! The run that a recording comes from.
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
 use super::error::RunError;
-use super::external::{EXTERNAL_EPISODES, ExternalEpisode, METHOD};
+use super::external::{EXTERNAL_EPISODES, METHOD};
+use super::rerun::Rerun;
 use crate::agent::Knowledge;
+use crate::episode::{Episode, Learned, Observer};
 use crate::record::reader::Recording;
-use crate::record::{RecordMode, RecordModeError, RecordingKind};
-use crate::trial::{Plan, Trial};
+use crate::record::{RecordMode, RecordModeError, RecordingKind, RunKind};
+use crate::trial::Plan;
 use crate::world::Maze;
 
 /// The attachment of `run.mcap` with the learned knowledge.
@@ -19,16 +22,12 @@ const RULES: &str = "rules.json";
 pub struct Source {
     /// The recording.
     pub file: PathBuf,
-    /// The plan to repeat the run.
-    pub plan: Plan,
+    /// What determines its episodes.
+    pub run: Rerun,
     /// The recording mode.
     pub mode: RecordMode,
     /// The kind of the recording.
     pub extent: RecordingKind,
-    /// The evaluated knowledge, if the recording shows an evaluation.
-    pub evaluated: Option<Knowledge>,
-    /// The episodes, if an external agent chose the actions.
-    pub external: Option<Vec<ExternalEpisode>>,
     /// The bytes of the whole file.
     pub bytes: Vec<u8>,
 }
@@ -46,20 +45,21 @@ impl Source {
         if extent == RecordingKind::Comparison {
             return Err(RunError::TwoRuns(file.to_owned()));
         }
-        let plan = attached_plan(&recording, "")?;
-        let mode = recorded_mode(&recording, "run")?;
+        let run = Rerun {
+            plan: attached_plan(&recording, "")?,
+            evaluated: match recording.run_kind() {
+                RunKind::Evaluation => Some(attached_to_run(file, &recording, RULES)?),
+                _ => None,
+            },
+            external: match recording.run_kind() {
+                RunKind::External => Some(attached_to_run(file, &recording, EXTERNAL_EPISODES)?),
+                _ => None,
+            },
+        };
         Ok(Self {
             file: file.to_owned(),
-            plan,
-            mode,
-            evaluated: match recording.is_evaluation() {
-                true => Some(attached_to_run(file, &recording, RULES)?),
-                false => None,
-            },
-            external: match recording.is_external() {
-                true => Some(attached_to_run(file, &recording, EXTERNAL_EPISODES)?),
-                false => None,
-            },
+            run,
+            mode: recorded_mode(&recording, "run")?,
             extent,
             bytes: recording.bytes().to_vec(),
         })
@@ -69,8 +69,8 @@ impl Source {
 impl Source {
     /// Returns the name of the method, or `external`.
     pub fn method_name(&self) -> &'static str {
-        match self.external {
-            None => self.plan.config.method.name(),
+        match self.run.external {
+            None => self.run.plan.config.method.name(),
             Some(_) => METHOD,
         }
     }
@@ -81,7 +81,7 @@ impl Source {
     /// If the recording shows an evaluation, in which nothing is learned, or an external agent.
     pub fn require_training(&self) -> Result<(), RunError> {
         self.require_method()?;
-        match self.evaluated {
+        match self.run.evaluated {
             None => Ok(()),
             Some(_) => Err(RunError::Recording {
                 file: self.file.clone(),
@@ -96,7 +96,7 @@ impl Source {
     /// # Errors
     /// If an external agent chose the actions.
     pub(super) fn require_method(&self) -> Result<(), RunError> {
-        match self.external {
+        match self.run.external {
             None => Ok(()),
             Some(_) => Err(RunError::Recording {
                 file: self.file.clone(),
@@ -111,18 +111,22 @@ impl Source {
     /// If the plan of the recording cannot be run, or an external agent chose the actions.
     pub fn knowledge(&self) -> Result<Knowledge, RunError> {
         self.require_method()?;
-        if let Some(knowledge) = &self.evaluated {
-            return Ok(knowledge.clone());
+        match &self.run.evaluated {
+            Some(knowledge) => Ok(knowledge.clone()),
+            None => self.run.watch(&mut Last(self.extent.episode())),
         }
-        let mut trial = Trial::new(self.plan.clone())?;
-        let last = match self.extent {
-            RecordingKind::Episode(number) => number,
-            _ => trial.plan().config.episodes,
-        };
-        while trial.progress().episodes < last && !trial.is_finished() {
-            let _ = trial.run_episode(&mut ());
+    }
+}
+
+/// Ends a run after an episode; `None` never does.
+struct Last(Option<u32>);
+
+impl Observer for Last {
+    fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+        match self.0 == Some(episode.episode) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
         }
-        Ok(trial.method().knowledge())
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::kit::desk::Desk;
 use crate::kit::trial::maze;
 use xcscr::arena::ArenaKind;
-use xcscr::record::RecordMode;
+use xcscr::record::{RecordMode, RunKind};
 use xcscr::run::{ExternalEpisode, ExternalRecorder};
 use xcscr::trial::Plan;
 
@@ -54,7 +54,7 @@ fn check_and_verify_accept_a_recording_of_an_external_agent_in_both_arenas() {
         let words = "3 of 3 recordings are bit-identical";
         assert!(said.contains(words), "{said}");
         let episode = desk.recording("run/ep-0002.mcap");
-        assert!(episode.is_external() && !episode.is_evaluation());
+        assert_eq!(episode.run_kind(), RunKind::External);
         assert!(!episode.metadata("run").unwrap().contains_key("episodes"));
     }
 }

@@ -309,8 +309,8 @@ fn convert_reads_a_map_from_anywhere_draws_it_and_overwrites_nothing() {
     let mut picture = png::Decoder::new(picture).read_info().unwrap();
     let mut samples = vec![0; picture.output_buffer_size().unwrap()];
     picture.next_frame(&mut samples).unwrap();
-    let has = |colour: [u8; 3]| samples.chunks_exact(3).any(|pixel| pixel == colour);
-    assert!(has([255, 127, 14]), "the robot is drawn");
+    let has = |colour: [u8; 4]| samples.chunks_exact(4).any(|pixel| pixel == colour);
+    assert!(has([255, 127, 14, 255]), "the robot is drawn");
     ends(&drawn, 73);
     let (stdout, _) = ends(&format!("{convert} 0.45,0.15 --unknown free --force"), 0);
     let is_free = stdout.contains("8 x 7 cells") && stdout.contains("30 free");

@@ -50,7 +50,7 @@ fn difference(file: &Path, again: &mut Option<Again>) -> Result<Option<String>, 
     let run = match again.take().filter(|run| run.serves(&source)) {
         Some(run) => run,
         None => {
-            let episodes = source.plan.config.episodes;
+            let episodes = source.run.plan.config.episodes;
             Again::new(&source, &mut Progress::of(episodes, false))?
         }
     };

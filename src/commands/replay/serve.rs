@@ -147,7 +147,7 @@ fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
     for file in files {
         let source = Source::of(file)?;
         let method = source.method_name();
-        let plan = source.plan;
+        let plan = source.run.plan;
         let kind = match source.extent {
             RecordingKind::Highlights => Kind::Highlights,
             RecordingKind::Run => Kind::Run,

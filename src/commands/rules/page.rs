@@ -4,6 +4,7 @@ use std::io::Write;
 
 use xcscr::page::{Block, Picture, Table, html};
 use xcscr::picture::{Animation, Scenes};
+use xcscr::run::Rerun;
 use xcscr::trial::{Plan, Why};
 use xcscr::world::Cell;
 
@@ -53,7 +54,7 @@ fn policy(plan: &Plan) -> Result<Picture, Failure> {
     Ok(Picture {
         name: "policy",
         caption: "The learned policy: arrows are the best actions, yellow far from the goal and purple near it",
-        svg: Animation::of(plan, Scenes::Last)?.svg(),
+        svg: Animation::of(&Rerun::training(plan.clone()), Scenes::Last)?.svg(),
     })
 }
 

@@ -5,7 +5,8 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::shapes::Scene;
-use crate::picture::{NO_GOAL, SCALE};
+use crate::picture::{NO_GOAL, SCALE, css};
+use crate::record::info;
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::percept::KINDS;
 use crate::record::topics::rays::BEAM;
@@ -25,7 +26,7 @@ pub struct Data {
     result: String,
     /// The duration, in seconds.
     pub end: f64,
-    pub world: World,
+    world: World,
     /// The names of the actions.
     pub actions: Vec<String>,
     robot_radius_m: f64,
@@ -62,14 +63,14 @@ pub struct Data {
 
 /// The maze as seen from above.
 #[derive(Debug, Default, Serialize)]
-pub struct World {
-    pub width: u16,
+struct World {
+    width: u16,
     height: u16,
     cell_size_m: f64,
     /// The pose of the grid frame in the map frame: metres and radians.
-    pub origin: [f64; 3],
+    origin: [f64; 3],
     /// `#` wall, `S` start, `G` goal, `.` free; the northern row first.
-    pub rows: Vec<String>,
+    rows: Vec<String>,
 }
 
 #[derive(Debug, Default, Serialize)]
@@ -98,34 +99,17 @@ impl World {
             rows: rows.map(|row| row.iter().collect()).collect(),
         }
     }
-
-    /// Returns the column and the row, from the north, of a pose in the map frame; `None` outside
-    /// the maze.
-    pub fn cell(&self, pose: &[f64; 4]) -> Option<(usize, usize)> {
-        let [x_m, y_m, yaw_rad] = self.origin;
-        let (east, north) = (pose[1] - x_m, pose[2] - y_m);
-        let (sin, cos) = (libm::sin(yaw_rad), libm::cos(yaw_rad));
-        let column = (cos * east + sin * north) / self.cell_size_m;
-        let row = f64::from(self.height) - (cos * north - sin * east) / self.cell_size_m;
-        let inside = (0.0..f64::from(self.width)).contains(&column)
-            && (0.0..f64::from(self.height)).contains(&row);
-        inside.then_some((column as usize, row as usize))
-    }
 }
 
 impl Data {
     /// Reads a recording of a run, an episode or highlights, or one side of a comparison.
     pub fn of(recording: &Recording, side: Option<&str>) -> Result<Self, RecordError> {
-        let damaged = |cause: String| recording.damaged(cause);
         let below = side.map_or_else(String::new, |side| format!("{side}/"));
-        let world = recording.attachment(&format!("{below}world.json"));
-        let world =
-            world.ok_or_else(|| damaged(format!("it has no attachment {below}world.json")))?;
-        let maze =
-            Maze::from_json(world, "world.json").map_err(|fault| damaged(fault.to_string()))?;
+        let maze = world(recording, &below)?;
         let mut data = Self::empty(&maze, heading(recording, side.unwrap_or("run")), below);
         for message in recording.messages() {
-            data.add(&message?, &maze).map_err(damaged)?;
+            let added = data.add(&message?, &maze);
+            added.map_err(|cause| recording.damaged(cause))?;
         }
         data.complete();
         Ok(data)
@@ -281,9 +265,13 @@ impl Data {
     }
 }
 
-/// Formats a colour for CSS.
-fn css(rgb: u32) -> String {
-    format!("#{rgb:06x}")
+/// Returns the world of a recording, or of the side of a comparison with this prefix.
+pub fn world(recording: &Recording, below: &str) -> Result<Maze, RecordError> {
+    let name = format!("{below}world.json");
+    let Some(world) = recording.attachment(&name) else {
+        return Err(recording.damaged(format!("it has no attachment {name}")));
+    };
+    Maze::from_json(world, "world.json").map_err(|fault| recording.damaged(fault.to_string()))
 }
 
 /// Returns a JSON message with its time, and without the bits of the percept.
@@ -308,13 +296,11 @@ fn caption(t: f64, scene: &SceneUpdate) -> Option<Timed> {
 
 /// Returns world, method, arena, sensor and seed from the metadata of this name.
 fn heading(recording: &Recording, name: &str) -> String {
-    let entry = |key: &str| recording.metadata(name)?.get(key).cloned();
-    let words = ["world", "method", "arena", "sensor"].map(|key| entry(key).unwrap_or_default());
-    let seed = entry("seed").unwrap_or_default();
-    format!(
-        "{}: {} on {}, {}, seed {seed}",
-        words[0], words[1], words[2], words[3]
-    )
+    let entry = |key: &str| {
+        let found = recording.metadata(name).and_then(|facts| facts.get(key));
+        found.map_or("", String::as_str)
+    };
+    info::heading(["world", "method", "arena", "sensor", "seed"].map(entry))
 }
 
 /// Returns the result of an episode and the length of the shortest path as text.

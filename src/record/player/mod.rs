@@ -10,6 +10,8 @@ mod data;
 mod shapes;
 mod text;
 
+use minijinja::{Environment, Value, context};
+
 use crate::page::escaped;
 use crate::record::layout::SIDES;
 use crate::record::reader::Recording;
@@ -33,41 +35,34 @@ pub fn page(recording: &Recording) -> Result<String, RecordError> {
     }
     let [a, b] = SIDES.map(|side| Data::of(recording, Some(side)));
     let (a, b) = (a?, b?);
-    let parts = [
-        ("{{title_a}}", escaped(a.heading())),
-        ("{{title_b}}", escaped(b.heading())),
-        ("{{a}}", escaped(&page_of(&a))),
-        ("{{b}}", escaped(&page_of(&b))),
-    ];
-    Ok(filled(COMPARISON, &parts))
+    Ok(filled(
+        COMPARISON,
+        context! {
+            title_a => escaped(a.heading()),
+            title_b => escaped(b.heading()),
+            a => escaped(&page_of(&a)),
+            b => escaped(&page_of(&b)),
+        },
+    ))
 }
 
 /// Returns the page of one run.
 fn page_of(data: &Data) -> String {
     let json = serde_json::to_string(data).expect("the data have text keys and finite numbers");
-    let parts = [
-        ("{{title}}", escaped(data.heading())),
-        ("{{style}}", STYLE.to_owned()),
-        ("{{data}}", inert(&json)),
-        ("{{script}}", SCRIPT.to_owned()),
-    ];
-    filled(PAGE, &parts)
+    let values = context! {
+        title => escaped(data.heading()),
+        style => STYLE,
+        data => inert(&json),
+        script => SCRIPT,
+    };
+    filled(PAGE, values)
 }
 
-/// Replaces placeholders in one pass, so that no part of a value is mistaken for a placeholder.
-fn filled(template: &str, parts: &[(&str, String)]) -> String {
-    let mut page = String::new();
-    let mut rest = template;
-    while let Some(at) = rest.find("{{") {
-        let (before, after) = rest.split_at(at);
-        page.push_str(before);
-        let part = parts.iter().find(|(name, _)| after.starts_with(name));
-        let (name, value) = part.map_or(("{{", "{{"), |(name, value)| (*name, value));
-        page.push_str(value);
-        rest = &after[name.len()..];
-    }
-    page.push_str(rest);
-    page
+/// Returns a template with these values, which are not escaped.
+fn filled(template: &str, values: Value) -> String {
+    let page = Environment::new().render_str(template, values);
+    // The newline at the end of a template is not part of it.
+    page.expect("the templates beside this file are valid") + "\n"
 }
 
 /// Escapes every `<`, so that the JSON cannot end the element that contains it.
@@ -81,8 +76,8 @@ mod tests {
 
     #[test]
     fn values_that_look_like_placeholders_stay_as_they_are() {
-        let parts = [("{{a}}", "{{b}}".to_owned()), ("{{b}}", "2".to_owned())];
-        assert_eq!(filled("x {{a}} {{b}} {{c}}", &parts), "x {{b}} 2 {{c}}");
+        let values = context! { a => "{{ b }}", b => 2 };
+        assert_eq!(filled("x {{a}} {{b}}\n", values), "x {{ b }} 2\n");
     }
 
     #[test]

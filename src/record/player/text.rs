@@ -1,10 +1,13 @@
 //! A recording as text for a terminal: the maze with the robot and its decision, at any time.
 
+use std::collections::BTreeSet;
+
 use serde_json::Value;
 
-use super::data::{Data, Timed};
+use super::data::{Data, Timed, world};
 use crate::record::reader::Recording;
 use crate::record::{RecordError, RecordingKind};
+use crate::world::{Cell, Maze};
 
 /// The number of lines without the maze: the caption, five lines of the decision, and the time.
 const WORDS: usize = 7;
@@ -15,6 +18,7 @@ const HEADINGS: [char; 8] = ['▶', '◥', '▲', '◤', '◀', '◣', '▼', '�
 #[derive(Debug)]
 pub struct TextPlayer {
     data: Data,
+    maze: Maze,
 }
 
 impl TextPlayer {
@@ -28,8 +32,10 @@ impl TextPlayer {
             let cause = "it compares two runs; give a recording of one of them";
             return Err(recording.damaged(cause.to_owned()));
         }
-        let data = Data::of(recording, None)?;
-        Ok(Self { data })
+        Ok(Self {
+            data: Data::of(recording, None)?,
+            maze: world(recording, "")?,
+        })
     }
 
     /// Returns the duration, in seconds.
@@ -55,38 +61,39 @@ impl TextPlayer {
         lines.join("\n")
     }
 
-    /// Returns the maze with the path since the start of the episode. A cell is two letters wide.
+    /// Returns the maze with the path since the start of the episode, in at most this many cells.
     fn maze(&self, t_s: f64, (columns, rows): (usize, usize)) -> Vec<String> {
-        let world = &self.data.world;
-        let mut cells: Vec<Vec<[char; 2]>> = world.rows.iter().map(|row| drawn(row)).collect();
+        let maze = &self.maze;
         let begun_s = last(&self.data.begins, t_s).map_or(0.0, time_s);
         let path = self.data.poses.iter();
         let path = path.filter(|pose| (begun_s..=t_s).contains(&pose[0]));
-        let mut robot = None;
-        for pose in path {
-            let Some((column, row)) = world.cell(pose) else {
-                continue;
-            };
-            if cells[row][column] == [' ', ' '] {
-                cells[row][column] = ['·', ' '];
+        let path = path.filter_map(|pose| Some((maze.cell_at([pose[1], pose[2]].into())?, pose)));
+        let path: Vec<_> = path.collect();
+        let robot = path.last().map(|(cell, pose)| (*cell, pose[3]));
+        let visited: BTreeSet<usize> = path.iter().map(|(cell, _)| maze.index(*cell)).collect();
+        let glyph = |cell: Cell| match robot {
+            Some((at, yaw_rad)) if at == cell => {
+                let in_grid_rad = yaw_rad - maze.origin().yaw_rad;
+                let eighth = (in_grid_rad / std::f64::consts::FRAC_PI_4).round() as i64;
+                Some(HEADINGS[eighth.rem_euclid(8) as usize])
             }
-            robot = Some((column, row, pose[3] - world.origin[2]));
-        }
-        let (column, row) = robot.map_or((0, 0), |(column, row, yaw_rad)| {
-            let eighth = (yaw_rad / std::f64::consts::FRAC_PI_4).round() as i64;
-            cells[row][column] = [HEADINGS[eighth.rem_euclid(8) as usize], ' '];
-            (column, row)
-        });
-        let shown = |at: usize, size: usize, room: usize| {
+            _ if maze.is_goal(cell) || maze.start() == Some(cell) => None,
+            _ => visited.contains(&maze.index(cell)).then_some('·'),
+        };
+        let centre = robot.map_or((0, 0), |(cell, _)| (cell.col, cell.row));
+        let shown = |at: u16, size: u16, room: usize| {
+            let (at, size) = (usize::from(at), usize::from(size));
             let from = at.saturating_sub(room / 2).min(size.saturating_sub(room));
             from..size.min(from + room)
         };
-        let (rows, columns) = (
-            shown(row, cells.len(), rows),
-            shown(column, usize::from(world.width), columns),
-        );
-        let lines = cells[rows].iter();
-        let lines = lines.map(|line| line[columns.clone()].iter().flatten().collect());
+        let columns = shown(centre.0, maze.width(), columns);
+        let rows = shown(centre.1, maze.height(), rows);
+        let picture = maze.drawn(glyph);
+        let lines = picture.lines().skip(rows.start).take(rows.len());
+        let lines = lines.map(|line| {
+            let letters = line.chars().skip(2 * columns.start);
+            letters.take(2 * columns.len()).collect()
+        });
         lines.collect()
     }
 
@@ -127,16 +134,6 @@ impl TextPlayer {
         });
         named.collect::<Vec<_>>().join(", ")
     }
-}
-
-/// Returns the cells of a row, two letters each.
-fn drawn(row: &str) -> Vec<[char; 2]> {
-    let cell = |sign| match sign {
-        '#' => ['█', '█'],
-        '.' => [' ', ' '],
-        mark => [mark, ' '],
-    };
-    row.chars().map(cell).collect()
 }
 
 /// Returns the last entry at or before a time.

@@ -1,6 +1,5 @@
 //! Comparison of two recordings.
 
-use std::fmt;
 use std::path::Path;
 
 use serde_json::Value;
@@ -8,50 +7,20 @@ use serde_json::Value;
 use super::reader::{Message, Recording};
 use crate::record::error::RecordError;
 
-/// The first difference between two recordings.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Difference {
-    /// The time of the difference, in nanoseconds of simulation time; 0 outside of messages.
-    pub time_ns: u64,
-    /// The topic, or `attachment NAME`, `metadata` or `file` outside of messages.
-    pub topic: String,
-    /// The path of the field in a JSON message; `byte N` in other messages.
-    pub field: String,
-    /// The value in the first recording.
-    pub first: String,
-    /// The value in the second recording.
-    pub second: String,
-}
-
-impl Difference {
-    fn new(time_ns: u64, topic: &str, field: &str, [first, second]: [String; 2]) -> Self {
-        Self {
-            time_ns,
-            topic: topic.to_owned(),
-            field: field.to_owned(),
-            first,
-            second,
-        }
-    }
-}
-
-impl fmt::Display for Difference {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (seconds, topic, field) = (self.time_ns as f64 / 1e9, &self.topic, &self.field);
-        let (first, second) = (&self.first, &self.second);
-        write!(
-            f,
-            "at {seconds} s, {topic}, {field}: {first} against {second}"
-        )
-    }
+/// Describes a difference at a time, in nanoseconds of simulation time; 0 outside of messages.
+/// `topic` is the topic, or `attachment NAME`, `metadata` or `file` outside of messages. `field` is
+/// the path of the field in a JSON message, and `byte N` in other messages.
+fn difference(time_ns: u64, topic: &str, field: &str, [first, second]: [String; 2]) -> String {
+    let seconds = time_ns as f64 / 1e9;
+    format!("at {seconds} s, {topic}, {field}: {first} against {second}")
 }
 
 /// Compares two recordings: facts of the run first, then message by message, then the bytes.
-/// Returns `None` if the bytes are identical.
+/// Returns the first difference as text; `None` if the bytes are identical.
 ///
 /// # Errors
 /// If either recording is invalid.
-pub fn compare(first: &[u8], second: &[u8]) -> Result<Option<Difference>, RecordError> {
+pub fn compare(first: &[u8], second: &[u8]) -> Result<Option<String>, RecordError> {
     if first == second {
         return Ok(None);
     }
@@ -60,24 +29,22 @@ pub fn compare(first: &[u8], second: &[u8]) -> Result<Option<Difference>, Record
     if let Some(difference) = facts(&a, &b) {
         return Ok(Some(difference));
     }
-    Ok(Some(match messages(&a, &b)? {
-        Some(difference) => difference,
-        None => bytes(0, "file", first, second),
-    }))
+    let found = messages(&a, &b)?;
+    Ok(found.or_else(|| Some(bytes(0, "file", first, second))))
 }
 
-fn facts(a: &Recording, b: &Recording) -> Option<Difference> {
+fn facts(a: &Recording, b: &Recording) -> Option<String> {
     let both = [a, b];
     if a.metadata("run") != b.metadata("run") {
         let run = both.map(|one| format!("{:?}", one.metadata("run")));
-        return Some(Difference::new(0, "metadata", "run", run));
+        return Some(difference(0, "metadata", "run", run));
     }
     let names = both.map(|one| {
         let names = one.attachments().iter().map(|one| one.name.as_str());
         names.collect::<Vec<_>>().join(" ")
     });
     if names[0] != names[1] {
-        return Some(Difference::new(0, "attachments", "names", names));
+        return Some(difference(0, "attachments", "names", names));
     }
     let mut pairs = a.attachments().iter().zip(b.attachments());
     let (x, y) = pairs.find(|(x, y)| x != y)?;
@@ -89,7 +56,7 @@ fn facts(a: &Recording, b: &Recording) -> Option<Difference> {
     ))
 }
 
-fn messages(a: &Recording, b: &Recording) -> Result<Option<Difference>, RecordError> {
+fn messages(a: &Recording, b: &Recording) -> Result<Option<String>, RecordError> {
     let (mut left, mut right) = (a.messages(), b.messages());
     loop {
         match (left.next().transpose()?, right.next().transpose()?) {
@@ -105,7 +72,7 @@ fn messages(a: &Recording, b: &Recording) -> Result<Option<Difference>, RecordEr
 }
 
 /// Returns the difference if one recording lacks a message or has it at another time.
-fn missing(x: Option<&Message>, y: Option<&Message>) -> Difference {
+fn missing(x: Option<&Message>, y: Option<&Message>) -> String {
     let shown = [x, y].map(|one| match one {
         Some(message) => format!("{} at {} ns", message.topic(), message.time_ns),
         None => "the end".to_owned(),
@@ -113,14 +80,14 @@ fn missing(x: Option<&Message>, y: Option<&Message>) -> Difference {
     let both = [x, y].into_iter().flatten();
     let earliest = both.min_by_key(|message| message.time_ns);
     let (time_ns, topic) = earliest.map_or((0, ""), |one| (one.time_ns, one.topic()));
-    Difference::new(time_ns, topic, "next message", shown)
+    difference(time_ns, topic, "next message", shown)
 }
 
 /// Returns the difference between two messages on the same topic at the same time.
-fn within(x: &Message, y: &Message) -> Difference {
+fn within(x: &Message, y: &Message) -> String {
     let found = x.json().zip(y.json());
     match found.and_then(|(a, b)| field(&a, &b, String::new())) {
-        Some((field, values)) => Difference::new(x.time_ns, x.topic(), &field, values),
+        Some((field, values)) => difference(x.time_ns, x.topic(), &field, values),
         None => bytes(x.time_ns, x.topic(), &x.data, &y.data),
     }
 }
@@ -146,13 +113,13 @@ fn field(a: &Value, b: &Value, path: String) -> Option<(String, [String; 2])> {
     }
 }
 
-fn bytes(time_ns: u64, topic: &str, a: &[u8], b: &[u8]) -> Difference {
+fn bytes(time_ns: u64, topic: &str, a: &[u8], b: &[u8]) -> String {
     let same = a.iter().zip(b).take_while(|(x, y)| x == y).count();
     let shown = [a, b].map(|bytes| match bytes.get(same) {
         Some(byte) => format!("{byte:#04x}"),
         None => "the end".to_owned(),
     });
-    Difference::new(time_ns, topic, &format!("byte {same}"), shown)
+    difference(time_ns, topic, &format!("byte {same}"), shown)
 }
 
 #[cfg(test)]
@@ -177,10 +144,7 @@ mod tests {
 
     #[test]
     fn bytes_that_end_early_differ_at_their_end() {
-        let found = bytes(7, "/tf", &[1, 2], &[1, 2, 3]);
-        assert_eq!(
-            (found.field.as_str(), found.first.as_str()),
-            ("byte 2", "the end")
-        );
+        let found = bytes(7_000_000_000, "/tf", &[1, 2], &[1, 2, 3]);
+        assert_eq!(found, "at 7 s, /tf, byte 2: the end against 0x03");
     }
 }

@@ -6,4 +6,4 @@ pub mod reader;
 pub(super) mod records;
 
 pub use check::{Finding, FindingKind, check};
-pub use compare::{Difference, compare};
+pub use compare::compare;

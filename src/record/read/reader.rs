@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::records::{Records, for_each_record, unpacked_size};
 use crate::disk;
 use crate::record::error::RecordError;
-use crate::record::info::{EVALUATION, EXTERNAL, KIND, RecordingKind};
+use crate::record::info::{KIND, RecordingKind, RunKind};
 use crate::record::json::json_tree;
 
 /// A recording in memory with valid checksums.
@@ -177,18 +177,18 @@ impl Recording {
 
     /// Returns the topics in order of their names.
     pub fn topics(&self) -> Vec<TopicInfo> {
-        let mut topics: Vec<TopicInfo> = Vec::new();
         let channels: BTreeMap<_, _> = self.summary.channels.iter().collect();
-        for (id, channel) in channels {
+        let topics = channels.into_iter().map(|(id, channel)| {
             let schema = channel.schema.as_ref();
-            topics.push(TopicInfo {
+            TopicInfo {
                 name: channel.topic.clone(),
                 schema: schema.map_or_else(String::new, |s| s.name.clone()),
                 schema_data: schema.map_or_else(Vec::new, |s| s.data.to_vec()),
                 encoding: channel.message_encoding.clone(),
                 messages: self.counts.get(id).copied().unwrap_or(0),
-            });
-        }
+            }
+        });
+        let mut topics: Vec<TopicInfo> = topics.collect();
         topics.sort_by(|a, b| a.name.cmp(&b.name));
         topics
     }
@@ -232,19 +232,10 @@ impl Recording {
         Some(RecordingKind::of_entry(entry))
     }
 
-    /// Returns true if the recording shows an evaluation, in which nothing is learned.
-    pub fn is_evaluation(&self) -> bool {
-        self.is_of_kind(EVALUATION)
-    }
-
-    /// Returns true if an agent outside of this program chose the recorded actions.
-    pub fn is_external(&self) -> bool {
-        self.is_of_kind(EXTERNAL)
-    }
-
-    fn is_of_kind(&self, kind: &str) -> bool {
-        let found = self.metadata("run").and_then(|run| run.get(KIND));
-        found.is_some_and(|found| found == kind)
+    /// Returns the kind of the run.
+    pub fn run_kind(&self) -> RunKind {
+        let kind = self.metadata("run").and_then(|run| run.get(KIND));
+        RunKind::of_entry(kind.map(String::as_str))
     }
 
     /// Returns the number of messages by topic, according to the file's own index.

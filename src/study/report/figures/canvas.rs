@@ -1,6 +1,4 @@
-//! Renders a drawing as SVG, and the SVG as PNG.
-
-use std::sync::Arc;
+//! Renders a drawing as SVG.
 
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::Ranged;
@@ -8,10 +6,9 @@ use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::*;
 use plotters::style::text_anchor::Pos;
 use plotters::style::{FontStyle, register_font};
-use resvg::tiny_skia::{Pixmap, Transform};
-use resvg::usvg::{Options, Tree, fontdb::Database};
 
 use super::theme::{CENTRED, FROM_LEFT, colour, line, text};
+use crate::picture::FONT;
 
 /// Width and height in pixels.
 pub type Size = (i32, i32);
@@ -24,12 +21,6 @@ pub type Chart<'a, 'b, X, Y> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<X, Y
 
 /// The result of drawing.
 pub type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
-
-/// DejaVu Sans, reduced to Latin letters. Embedded, so that figures need no installed font and are
-/// the same everywhere.
-const FONT: &[u8] = include_bytes!("../../../../assets/font/DejaVuSans-latin.ttf");
-/// Pixels of a PNG per pixel of the figure, in each direction.
-const PNG_SCALE: u32 = 2;
 
 /// A figure.
 pub trait Drawing {
@@ -103,21 +94,4 @@ where
     chart.draw_series([Polygon::new(band, hue.mix(0.18).filled())])?;
     chart.draw_series([PathElement::new(curve, line(hue, 2))])?;
     Ok(())
-}
-
-/// Renders an SVG document as a PNG file.
-pub fn png(svg: &str) -> Result<Vec<u8>, String> {
-    let mut fonts = Database::new();
-    fonts.load_font_data(FONT.to_vec());
-    let options = Options {
-        fontdb: Arc::new(fonts),
-        ..Options::default()
-    };
-    let tree = Tree::from_str(svg, &options).map_err(|fault| fault.to_string())?;
-    let size = tree.size().to_int_size();
-    let (width, height) = (PNG_SCALE * size.width(), PNG_SCALE * size.height());
-    let mut pixels = Pixmap::new(width, height).ok_or("it is empty or too large")?;
-    let scale = Transform::from_scale(PNG_SCALE as f32, PNG_SCALE as f32);
-    resvg::render(&tree, scale, &mut pixels.as_mut());
-    pixels.encode_png().map_err(|fault| fault.to_string())
 }

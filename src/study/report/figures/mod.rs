@@ -20,6 +20,7 @@ use panels::Panels;
 use steps::Steps;
 
 use crate::page::Picture;
+use crate::picture::png;
 use crate::study::analysis::summary::{ArmRecords, ArmSummary};
 use crate::study::error::StudyError;
 use crate::study::store::StudyFolder;
@@ -68,7 +69,7 @@ fn draw(
 ) -> Result<Picture, StudyError> {
     let fault = |fault| StudyError::Figure { name, fault };
     let svg = canvas::svg(drawing).map_err(fault)?;
-    let png = canvas::png(&svg).map_err(fault)?;
+    let png = png(&svg).map_err(fault)?;
     folder.write(&format!("{name}.svg"), svg.as_bytes())?;
     folder.write(&format!("{name}.png"), &png)?;
     Ok(Picture { name, caption, svg })

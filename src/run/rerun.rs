@@ -1,0 +1,78 @@
+//! Repeats recorded runs.
+
+use std::path::Path;
+
+use super::error::RunError;
+use super::evaluation::{evaluation_plan, record_drives};
+use super::external::{ExternalEpisode, record_external};
+use super::facts::run_info;
+use crate::agent::Knowledge;
+use crate::episode::Observer;
+use crate::record::{RecordMode, Recorder};
+use crate::trial::{Evaluation, Plan, Trial};
+
+/// What determines the episodes of a run: a training, an evaluation of what was learned, or the
+/// episodes of an external agent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rerun {
+    /// The plan.
+    pub plan: Plan,
+    /// The evaluated knowledge, if the run is an evaluation.
+    pub evaluated: Option<Knowledge>,
+    /// The episodes, if an external agent chose the actions.
+    pub external: Option<Vec<ExternalEpisode>>,
+}
+
+impl Rerun {
+    /// Returns the training of a plan.
+    pub fn training(plan: Plan) -> Self {
+        Self {
+            plan,
+            evaluated: None,
+            external: None,
+        }
+    }
+
+    /// Repeats a training or an evaluation until `observer` breaks. Returns the knowledge at the
+    /// end.
+    ///
+    /// # Errors
+    /// If the plan cannot be run.
+    pub fn watch(&self, observer: &mut dyn Observer) -> Result<Knowledge, RunError> {
+        let Some(knowledge) = &self.evaluated else {
+            let mut trial = Trial::new(self.plan.clone())?;
+            let _ = trial.run(observer);
+            return Ok(trial.method().knowledge());
+        };
+        let episodes = self.plan.config.episodes;
+        let plan = evaluation_plan(&self.plan, knowledge, episodes)?;
+        Evaluation::observed(&plan, knowledge, episodes, observer)?;
+        Ok(knowledge.clone())
+    }
+
+    /// Repeats the run and records it in a folder. Returns the knowledge at the end. `observer`
+    /// watches a training.
+    pub(super) fn record(
+        &self,
+        folder: &Path,
+        mode: RecordMode,
+        observer: &mut dyn Observer,
+    ) -> Result<Knowledge, RunError> {
+        let plan = &self.plan;
+        if let Some(knowledge) = &self.evaluated {
+            let episodes = plan.config.episodes;
+            record_drives(plan, knowledge, episodes, folder, (mode, &|| false))?;
+            return Ok(knowledge.clone());
+        }
+        if let Some(episodes) = &self.external {
+            return record_external(plan, episodes, folder, mode);
+        }
+        let mut trial = Trial::new(plan.clone())?;
+        let (maze, info) = (&trial.plan().maze, run_info(trial.plan()));
+        let mut recorder = Recorder::create(folder, maze, info, mode)?;
+        // The recorder breaks on errors, which `finish` returns.
+        let _ = trial.run(&mut (&mut recorder, observer));
+        recorder.finish(trial.method())?;
+        Ok(trial.method().knowledge())
+    }
+}
