@@ -63,6 +63,7 @@
 
 #![warn(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
+mod error;
 pub mod disk;
 pub mod page;
 pub mod export;
@@ -74,6 +75,7 @@ pub mod ros2;
 pub mod picture;
 pub mod study;
 
+pub use error::{Error, ErrorKind};
 pub use xcs;
 #[doc(inline)]
 pub use xcscr_learner::{agent, episode, trial};

@@ -9,10 +9,12 @@ use std::panic::catch_unwind;
 use std::process::ExitCode;
 
 use clap::Parser;
-use clap::error::ErrorKind;
+use clap::error::ErrorKind as Refusal;
 
 use cli::Cli;
-use commands::failure::{Exit, Failure};
+use xcscr::ErrorKind;
+
+use commands::failure::Failure;
 use commands::interrupt::limits_are_errors;
 use commands::terminal::Escaping;
 
@@ -37,15 +39,15 @@ fn main() -> ExitCode {
 fn answer(refusal: &clap::Error) -> ExitCode {
     let is_help = matches!(
         refusal.kind(),
-        ErrorKind::DisplayHelp
-            | ErrorKind::DisplayVersion
-            | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+        Refusal::DisplayHelp
+            | Refusal::DisplayVersion
+            | Refusal::DisplayHelpOnMissingArgumentOrSubcommand
     );
     if !is_help {
         return Failure::from(refusal).report();
     }
     match refusal.print() {
-        Ok(()) if refusal.use_stderr() => ExitCode::from(Exit::Usage as u8),
+        Ok(()) if refusal.use_stderr() => ExitCode::from(ErrorKind::Usage.exit_code()),
         Ok(()) => ExitCode::SUCCESS,
         Err(cause) => Failure::from(cause).report(),
     }

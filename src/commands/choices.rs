@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use xcscr::ErrorKind;
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::disk;
@@ -11,7 +12,7 @@ use xcscr::sensor::Sensor;
 use xcscr::trial::{Resolved, RobotProfile, Settings};
 use xcscr::world::Maze;
 
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
 
 /// Parses one of a closed set of values by its name.
 pub fn one_of<T: Copy + Send + Sync + 'static>(
@@ -28,6 +29,16 @@ pub fn one_of<T: Copy + Send + Sync + 'static>(
 pub fn seed(text: &str) -> Result<u64, String> {
     let fault = |_| format!("a seed is a whole number from 0 to {}", u64::MAX);
     text.parse().map_err(fault)
+}
+
+/// Parses finite numbers that are separated by commas.
+pub fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers = text.split(',').map(|part| part.trim().parse().ok());
+    let numbers: [f64; N] = numbers.collect::<Option<Vec<f64>>>()?.try_into().ok()?;
+    numbers
+        .iter()
+        .all(|number| number.is_finite())
+        .then_some(numbers)
 }
 
 /// Parses a method's name.
@@ -98,18 +109,14 @@ pub fn read_rules(path: &Path) -> Result<Knowledge, Failure> {
             ),
             Err(_) => format!("{typed} holds no rules: {fault}"),
         };
-        Failure::new(Exit::BadData, message)
+        Failure::new(ErrorKind::BadData, message)
     })
 }
 
 /// Reads an input file of at most `most` bytes as text.
 pub fn read_text(path: &Path, most: u64) -> Result<String, Failure> {
     disk::read_text(path, most).map_err(|cause| {
-        let exit = match cause.kind() {
-            std::io::ErrorKind::NotFound => Exit::Missing,
-            std::io::ErrorKind::InvalidData | std::io::ErrorKind::FileTooLarge => Exit::BadData,
-            _ => Exit::Io,
-        };
-        Failure::new(exit, format!("cannot read {}: {cause}", path.display()))
+        let kind = ErrorKind::of_reading(&cause);
+        Failure::new(kind, format!("cannot read {}: {cause}", path.display()))
     })
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 use toml::{Table, Value};
+use xcscr::ErrorKind;
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
@@ -13,7 +14,8 @@ use xcscr::trial::{ReadBy, Resolved, Scope, Settings};
 use xcscr::world::Maze;
 
 use super::choices::{self, SettingsArgs};
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
+use super::output::print_json;
 
 /// Subcommands of `config`.
 #[derive(Debug, Subcommand)]
@@ -90,7 +92,7 @@ pub fn run(command: &ConfigCommand, out: &mut impl Write) -> Result<(), Failure>
     }
     let counts = |key: &str| scope.is_none_or(|scope| scope.reads(key));
     match (args.json, args.resolved) {
-        (true, _) => print_json(&resolved, counts, out),
+        (true, _) => print_entries(&resolved, counts, out),
         (_, true) => print_origins(&resolved, counts, out),
         _ => Ok(write!(out, "{}", as_file(&resolved, counts)?)?),
     }
@@ -99,7 +101,10 @@ pub fn run(command: &ConfigCommand, out: &mut impl Write) -> Result<(), Failure>
 /// Formats the settings that count as a settings file.
 fn as_file(resolved: &Resolved, counts: impl Fn(&str) -> bool) -> Result<String, Failure> {
     let no_toml = |fault: toml::ser::Error| {
-        Failure::new(Exit::Internal, format!("no TOML for settings: {fault}"))
+        Failure::new(
+            ErrorKind::Internal,
+            format!("no TOML for settings: {fault}"),
+        )
     };
     let all = Table::try_from(&resolved.settings).map_err(no_toml)?;
     toml::to_string(&counting(all, "", &counts)).map_err(no_toml)
@@ -131,12 +136,12 @@ fn print_origins(
     Ok(())
 }
 
-fn print_json(
+fn print_entries(
     resolved: &Resolved,
     counts: impl Fn(&str) -> bool,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
-    let values = serde_json::to_value(&resolved.settings)?;
+    let values = serde_json::to_value(&resolved.settings).expect("settings are plain data");
     let origins = resolved
         .entries()
         .map(|(key, _, origin)| (key, origin.to_string()));
@@ -156,9 +161,5 @@ fn print_json(
         (setting.key, entry)
     });
     let entries: BTreeMap<&str, Entry<'_>> = entries.collect();
-    Ok(writeln!(
-        out,
-        "{}",
-        serde_json::to_string_pretty(&entries)?
-    )?)
+    print_json(&entries, out)
 }

@@ -1,13 +1,15 @@
 //! `xcscr world convert`: converts ROS 2 maps to worlds, and worlds to maps.
 
-use std::io::{self, ErrorKind, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use xcscr::ErrorKind;
 use xcscr::picture::map_preview;
-use xcscr::world::{Gridded, Gridding, MapError, Maze, OccupancyMap};
+use xcscr::world::{Gridded, Gridding, Maze, OccupancyMap};
 
-use super::failure::{Exit, Failure};
+use super::choices;
+use super::failure::Failure;
 use super::output::OutputFile;
 
 /// The most passages that are listed.
@@ -65,18 +67,8 @@ enum Unknown {
 struct Point([f64; 2]);
 
 fn point(text: &str) -> Result<Point, String> {
-    let number = |text: &str| {
-        text.trim()
-            .parse()
-            .ok()
-            .filter(|number: &f64| number.is_finite())
-    };
-    let numbers = text
-        .split_once(',')
-        .and_then(|(x, y)| Some([number(x)?, number(y)?]));
-    numbers
-        .map(Point)
-        .ok_or_else(|| "expected metres such as 1.5,-0.3".to_owned())
+    let point = choices::numbers(text).map(Point);
+    point.ok_or_else(|| "expected metres such as 1.5,-0.3".to_owned())
 }
 
 /// The corner of the grid.
@@ -102,7 +94,7 @@ pub fn run(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
         ("json", "yaml" | "yml") => to_map(args, out),
         _ => {
             let message = "give a map (.yaml) and a world to write (.json), or a world and a map";
-            Err(Failure::new(Exit::Usage, message))
+            Err(Failure::new(ErrorKind::Usage, message))
         }
     }
 }
@@ -136,7 +128,7 @@ fn to_world(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
     let gridded = gridding.of(&map)?;
     if let Some(file) = preview {
         let png =
-            map_preview(&gridded, &map).map_err(|fault| Failure::new(Exit::BadData, fault))?;
+            map_preview(&gridded, &map).map_err(|fault| Failure::new(ErrorKind::BadData, fault))?;
         file.write(&png)?;
     }
     world.write(gridded.maze.to_json().as_bytes())?;
@@ -251,33 +243,7 @@ fn refuse_options_of_maps(args: &ConvertArgs) -> Result<(), Failure> {
             let input = args.input.display();
             let message =
                 format!("{option} is for maps, and {input} is a world: leave the option out");
-            Err(Failure::new(Exit::Usage, message))
-        }
-    }
-}
-
-/// Returns true if the file system caused the error, and not the content of a file.
-fn is_of_the_system(cause: &io::Error) -> bool {
-    !matches!(
-        cause.kind(),
-        ErrorKind::FileTooLarge | ErrorKind::InvalidData
-    )
-}
-
-impl From<MapError> for Failure {
-    fn from(error: MapError) -> Self {
-        match error {
-            MapError::World(error) => error.into(),
-            MapError::Unreadable { ref cause, .. } if cause.kind() == ErrorKind::NotFound => {
-                Self::new(Exit::Missing, error.to_string())
-            }
-            MapError::Unreadable { ref cause, .. } if is_of_the_system(cause) => {
-                Self::new(Exit::Io, error.to_string())
-            }
-            MapError::Cell(_) | MapError::NoGoal | MapError::Point { .. } => {
-                Self::new(Exit::Usage, error.to_string())
-            }
-            _ => Self::new(Exit::BadData, error.to_string()),
+            Err(Failure::new(ErrorKind::Usage, message))
         }
     }
 }

@@ -3,14 +3,14 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use xcscr::agent::Knowledge;
-use xcscr::drive::{DriveOptions, DriveSetup, Driver, DriverOptions, Fault, Frames, Refusal};
+use xcscr::ErrorKind;
+use xcscr::drive::{DriveOptions, DriveSetup, Driver, DriverOptions, Fault, Frames};
 use xcscr::record::DriveRecording;
-use xcscr::run::{RunFolder, Source};
-use xcscr::trial::{Plan, RobotProfile};
+use xcscr::trial::RobotProfile;
 use xcscr::world::Maze;
 
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
+use super::learned;
 use super::node::{self, NodeArgs};
 
 /// Arguments of `drive`.
@@ -63,18 +63,8 @@ pub struct DriveArgs {
 }
 
 impl DriveArgs {
-    fn load(&self) -> Result<(Plan, Knowledge), Failure> {
-        if self.run.is_file() {
-            let source = Source::of(&self.run)?;
-            let knowledge = source.knowledge()?;
-            return Ok((source.run.plan, knowledge));
-        }
-        let folder = RunFolder::open(&self.run);
-        Ok((folder.plan()?, folder.knowledge()?))
-    }
-
     fn setup(&self) -> Result<DriveSetup, Failure> {
-        let (plan, knowledge) = self.load()?;
+        let (plan, knowledge) = learned::of_run(&self.run, self.run.is_file())?;
         let mut frames = Frames::default();
         if let Some(scan) = &self.scan_frame {
             frames.scan = vec![scan.clone()];
@@ -91,21 +81,8 @@ impl DriveArgs {
 
     /// Returns the file for the recording.
     fn file(&self) -> PathBuf {
-        let default = || {
-            let name = match self.run.is_dir() {
-                true => self.run.file_name(),
-                false => self.run.file_stem(),
-            };
-            let name = name.unwrap_or_default().to_string_lossy();
-            self.run.with_file_name(format!("{name}-drive.mcap"))
-        };
+        let default = || learned::beside(&self.run, "-drive.mcap");
         self.out.clone().unwrap_or_else(default)
-    }
-}
-
-impl From<Refusal> for Failure {
-    fn from(refusal: Refusal) -> Self {
-        Self::new(Exit::BadData, refusal.to_string())
     }
 }
 
@@ -157,7 +134,7 @@ fn repeat(mut driver: Driver, bag: &Path, out: &mut impl Write) -> Result<(), Fa
     )?;
     match same == most {
         true => Ok(()),
-        false => Err(Failure::new(Exit::Refuted, "the decisions differ")),
+        false => Err(Failure::new(ErrorKind::Refuted, "the decisions differ")),
     }
 }
 
@@ -181,14 +158,14 @@ fn end(phase: xcscr::drive::Phase, faults: &[Fault], decisions: u32) -> Result<(
     let lasting = faults.iter().find(|fault| fault.is_final());
     match (phase, lasting) {
         (_, Some(Fault::Interrupted)) => Err(Failure::new(
-            Exit::Interrupted,
+            ErrorKind::Interrupted,
             "interrupted; the robot is at rest",
         )),
-        (_, Some(fault)) => Err(Failure::new(Exit::Refuted, fault.to_string())),
+        (_, Some(fault)) => Err(Failure::new(ErrorKind::Refuted, fault.to_string())),
         (Phase::AtGoal, None) => Ok(()),
         _ => {
             let message = format!("no goal after {decisions} decisions");
-            Err(Failure::new(Exit::Refuted, message))
+            Err(Failure::new(ErrorKind::Refuted, message))
         }
     }
 }
@@ -226,8 +203,8 @@ fn drive(
         &mut report,
     );
     let summary = driven.map_err(|error| match error {
-        Ros2Error::Record(error) => Failure::from(error),
-        error => Failure::new(Exit::Io, error.to_string()),
+        Ros2Error::Record(error) => error.into(),
+        error => Failure::new(ErrorKind::Io, error.to_string()),
     })?;
     let latency = summary.latency;
     writeln!(

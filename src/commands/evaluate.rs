@@ -3,17 +3,20 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use xcscr::ErrorKind;
 use xcscr::agent::Knowledge;
 use xcscr::arena::ArenaKind;
 use xcscr::disk;
-use xcscr::run::{RunError, clear_evaluation, record_evaluation};
+use xcscr::run::{clear_evaluation, record_evaluation};
 use xcscr::study::{ConditionResult, Robustness};
 use xcscr::trial::{Evaluation, Plan};
 
 use super::choices::{self, SettingsArgs};
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::learned::LearnedArgs;
+use super::output::print_json;
+use super::terminal::write_row;
 
 /// Arguments of `evaluate`.
 #[derive(Debug, clap::Args)]
@@ -72,27 +75,25 @@ pub fn run(args: &EvaluateArgs, out: &mut impl Write) -> Result<(), Failure> {
     if args.robustness {
         let found = Robustness::run(&plan, &knowledge, args.episodes)?;
         return match args.json {
-            true => Ok(writeln!(out, "{}", serde_json::to_string_pretty(&found)?)?),
+            true => print_json(&found, out),
             false => print_robustness(&found, &knowledge, out),
         };
     }
     let (evaluation, recorded) = evaluate(args, &plan, &knowledge)?;
     if args.json {
-        writeln!(out, "{}", serde_json::to_string_pretty(&evaluation)?)?;
+        print_json(&evaluation, out)?;
     } else {
         print(&evaluation, &plan, &knowledge, out)?;
         recorded.map_or(Ok(()), |folder| print_folder(&folder, out))?;
     }
     if args.require_optimal && !evaluation.is_optimal() {
-        let Evaluation {
-            optimal, episodes, ..
-        } = evaluation;
+        let (optimal, episodes) = (evaluation.optimal, evaluation.episodes);
         let how = match plan.config.settings.arena.slip > 0.0 {
             true => "chose only best actions",
             false => "took a shortest path",
         };
         let message = format!("{optimal} of {episodes} episodes {how}");
-        return Err(Failure::new(Exit::Refuted, message));
+        return Err(Failure::new(ErrorKind::Refuted, message));
     }
     Ok(())
 }
@@ -111,10 +112,10 @@ fn evaluate(
     let interrupt = Interrupt::notice()?;
     let stop = || interrupt.came();
     match record_evaluation(plan, knowledge, args.episodes, &folder, &stop) {
-        Err(RunError::Stopped) => {
+        Err(error) if error.kind() == ErrorKind::Interrupted => {
             clear_evaluation(&folder, true)?;
             let message = "interrupted; nothing was saved: run the same command again".to_owned();
-            Err(Failure::new(Exit::Interrupted, message))
+            Err(Failure::new(ErrorKind::Interrupted, message))
         }
         recorded => Ok((recorded?.0, Some(folder))),
     }
@@ -134,38 +135,27 @@ fn print(
 ) -> Result<(), Failure> {
     // Where moves slip, the fewest steps are not a meaningful reference.
     let (optimally, best) = match plan.config.settings.arena.slip > 0.0 {
-        true => ("only best actions ", "expected at best"),
+        true => ("only best actions", "expected at best"),
         false => ("by a shortest path", "shortest"),
     };
-    let Evaluation {
-        world,
-        arena,
-        noise,
-        seed,
-        episodes,
-        successes,
-        optimal,
-        collisions,
-        ..
-    } = e;
-    let (count, counted) = (knowledge.len(), knowledge.counts());
+    let (world, arena, noise, seed) = (&e.world, &e.arena, e.noise, e.seed);
+    let (count, counted, episodes) = (knowledge.len(), knowledge.counts(), e.episodes);
     writeln!(
         out,
         "{world}: greedy policy of {count} {counted} on {arena}, noise {noise}, seed {seed}, {episodes} episodes"
     )?;
-    let percent = |count: &u32| 100.0 * f64::from(*count) / f64::from(*episodes);
-    let (reached, best_ones) = (percent(successes), percent(optimal));
-    writeln!(out, "  reached the goal     {successes} ({reached:.1} %)")?;
-    writeln!(out, "  {optimally}   {optimal} ({best_ones:.1} %)")?;
+    let share = |count: u32| {
+        let percent = 100.0 * f64::from(count) / f64::from(episodes);
+        format!("{count} ({percent:.1} %)")
+    };
+    write_row(out, "reached the goal", share(e.successes))?;
+    write_row(out, optimally, share(e.optimal))?;
     let (steps, fewest) = (e.mean_steps, e.mean_optimal_steps);
-    writeln!(
-        out,
-        "  steps per episode    {steps:.2} ({best} {fewest:.2})"
-    )?;
-    writeln!(out, "  collisions           {collisions}")?;
-    let seconds = e.mean_seconds;
-    writeln!(out, "  time per episode     {seconds:.2} s simulated")?;
-    Ok(())
+    let steps = format!("{steps:.2} ({best} {fewest:.2})");
+    write_row(out, "steps per episode", steps)?;
+    write_row(out, "collisions", e.collisions)?;
+    let seconds = format!("{:.2} s simulated", e.mean_seconds);
+    Ok(write_row(out, "time per episode", seconds)?)
 }
 
 fn print_robustness(
@@ -174,9 +164,7 @@ fn print_robustness(
     out: &mut impl Write,
 ) -> Result<(), Failure> {
     let (count, counted) = (knowledge.len(), knowledge.counts());
-    let Robustness {
-        world, arena, seed, ..
-    } = found;
+    let (world, arena, seed) = (&found.world, found.arena, found.seed);
     writeln!(
         out,
         "{world}: greedy policy of {count} {counted} on {arena}, seed {seed}"

@@ -4,10 +4,10 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::builder::TypedValueParser;
-use xcscr::export::{ExportError, Policy, Provenance, Target};
+use xcscr::export::{Policy, Provenance, Target};
 
 use super::choices;
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
 use super::learned::LearnedArgs;
 use super::output::OutputFile;
 
@@ -48,16 +48,8 @@ fn text(args: &ExportArgs) -> Result<String, Failure> {
     let (plan, knowledge) = args.learned.load(None)?;
     let (maze, sensor) = (&plan.maze, plan.config.sensor);
     let (width, actions) = (sensor.width(maze), maze.action_count());
-    knowledge
-        .check(width, actions)
-        .map_err(|misfit| Failure::new(Exit::BadData, misfit.to_string()))?;
+    knowledge.check(width, actions)?;
     let policy = Policy::new(&knowledge, width, actions, &sensor.percepts(maze))?;
     let origin = Provenance::new(&plan, &knowledge, args.learned.is_a_run());
     Ok(args.target.text(&policy, &origin))
-}
-
-impl From<ExportError> for Failure {
-    fn from(error: ExportError) -> Self {
-        Self::new(Exit::BadData, error.to_string())
-    }
 }

@@ -9,7 +9,9 @@ use std::time::Duration;
 
 use signal_hook::{consts, flag};
 
-use super::failure::{Exit, Failure};
+use xcscr::ErrorKind;
+
+use super::failure::Failure;
 use super::terminal::say;
 
 /// The signals that end a run.
@@ -33,23 +35,26 @@ pub struct Interrupt {
 
 impl Interrupt {
     /// Registers the signal handlers.
-    pub fn notice() -> io::Result<Self> {
+    pub fn notice() -> Result<Self, Failure> {
         let came = Arc::new(AtomicBool::new(false));
-        for signal in SIGNALS {
+        let mut signals = SIGNALS.into_iter();
+        let registered = signals.try_for_each(|signal| {
             // In this order: the first signal finds the flag cleared and sets it.
             flag::register_conditional_shutdown(signal, SECOND_SIGNAL_EXIT, came.clone())?;
-            flag::register(signal, came.clone())?;
-        }
+            flag::register(signal, came.clone()).map(drop)
+        });
+        registered.map_err(Failure::system("handle signals"))?;
         Ok(Self { came })
     }
 
     /// Registers the signal handlers and starts a watcher. If the current work, such as an episode
     /// in a winding maze, exceeds the grace period, the process ends with the failure from
     /// `shutdown_message`. As after a kill, the last checkpoint or journal stays intact.
-    pub fn watch(shutdown_message: impl Fn() -> Failure + Send + 'static) -> io::Result<Self> {
+    pub fn watch(shutdown_message: impl Fn() -> Failure + Send + 'static) -> Result<Self, Failure> {
         let this = Self::notice()?;
         let watch = this.clone();
-        Builder::new().spawn(move || watch.end_in_time(&shutdown_message))?;
+        let watcher = Builder::new().spawn(move || watch.end_in_time(&shutdown_message));
+        watcher.map_err(Failure::system("start a thread"))?;
         Ok(this)
     }
 
@@ -66,7 +71,7 @@ impl Interrupt {
         let failure = shutdown_message();
         say("");
         failure.print();
-        process::exit(failure.exit as i32);
+        process::exit(failure.kind().exit_code().into());
     }
 }
 
@@ -78,6 +83,6 @@ pub fn limits_are_errors() -> io::Result<()> {
     #[cfg(unix)]
     flag::register(consts::SIGXFSZ, Arc::default())?;
     let always = Arc::new(AtomicBool::new(true));
-    flag::register_conditional_shutdown(consts::SIGABRT, Exit::Io as i32, always)?;
+    flag::register_conditional_shutdown(consts::SIGABRT, ErrorKind::Io.exit_code().into(), always)?;
     Ok(())
 }

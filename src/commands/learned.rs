@@ -1,7 +1,8 @@
 //! Loads what was learned from a run folder, a recording, or a rules.json file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use xcscr::ErrorKind;
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::run::{RunFolder, Source};
@@ -10,7 +11,7 @@ use xcscr::trial::{Config, Plan, Settings};
 use xcscr::world::Maze;
 
 use super::choices;
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
 
 /// The source of a learned policy, and its world and sensor.
 #[derive(Debug, clap::Args)]
@@ -24,6 +25,27 @@ pub struct LearnedArgs {
     /// Percept to use instead of the run's own.
     #[arg(long, value_parser = choices::sensor())]
     sensor: Option<Sensor>,
+}
+
+/// Returns the plan of a run and what was learned, from its folder or one of its recordings.
+pub fn of_run(run: &Path, is_recording: bool) -> Result<(Plan, Knowledge), Failure> {
+    if is_recording {
+        let source = Source::of(run)?;
+        let knowledge = source.knowledge()?;
+        return Ok((source.run.plan, knowledge));
+    }
+    let folder = RunFolder::open(run);
+    Ok((folder.plan()?, folder.knowledge()?))
+}
+
+/// Returns the path of a sibling of a run whose name ends with `suffix`.
+pub fn beside(run: &Path, suffix: &str) -> PathBuf {
+    let name = match run.is_dir() {
+        true => run.file_name(),
+        false => run.file_stem(),
+    };
+    let name = name.unwrap_or_default().to_string_lossy();
+    run.with_file_name(format!("{name}{suffix}"))
 }
 
 impl LearnedArgs {
@@ -42,17 +64,12 @@ impl LearnedArgs {
     pub fn load(&self, arena: Option<ArenaKind>) -> Result<(Plan, Knowledge), Failure> {
         let is_file = self.run.exists() && !self.run.is_dir();
         let is_recording = self.run.extension().is_some_and(|end| end == "mcap");
-        let (mut plan, knowledge) = if is_file && is_recording {
-            let source = Source::of(&self.run)?;
-            let knowledge = source.knowledge()?;
-            (source.run.plan, knowledge)
-        } else if is_file {
+        let (mut plan, knowledge) = if is_file && !is_recording {
             let knowledge = choices::read_rules(&self.run)?;
             let arena = arena.unwrap_or(ArenaKind::Physics);
             (self.plan_of_rules(&knowledge, arena)?, knowledge)
         } else {
-            let folder = RunFolder::open(&self.run);
-            (folder.plan()?, folder.knowledge()?)
+            of_run(&self.run, is_file)?
         };
         if let Some(world) = &self.world {
             plan.maze = Maze::find(world)?;
@@ -63,12 +80,7 @@ impl LearnedArgs {
 
     /// Returns the path of a sibling folder for the results of an evaluation.
     pub fn beside(&self) -> PathBuf {
-        let name = match self.run.is_dir() {
-            true => self.run.file_name(),
-            false => self.run.file_stem(),
-        };
-        let name = name.unwrap_or_default().to_string_lossy();
-        self.run.with_file_name(format!("{name}-evaluation"))
+        beside(&self.run, "-evaluation")
     }
 
     /// Returns a plan for a file of rules.
@@ -78,7 +90,7 @@ impl LearnedArgs {
                 "{} does not say in which world it was learned: add `--world FILE`",
                 self.run.display()
             );
-            Failure::new(Exit::Usage, message)
+            Failure::new(ErrorKind::Usage, message)
         })?;
         let config = Config {
             version: env!("CARGO_PKG_VERSION").to_owned(),

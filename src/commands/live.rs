@@ -3,12 +3,13 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
+use xcscr::ErrorKind;
 #[cfg(feature = "live")]
 use xcscr::record::live::Stream;
 use xcscr::record::server::Origin;
 use xcscr::record::{Tap, Topic};
 
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::terminal::say;
 
@@ -131,7 +132,7 @@ impl Broadcast {
 fn open(port: u16, origins: &[Origin]) -> Result<Stream, Failure> {
     Stream::open(port, origins).map_err(|fault| {
         let message = format!("cannot stream on port {port}: {fault}; choose another `--port`");
-        Failure::new(Exit::Io, message)
+        Failure::new(ErrorKind::Io, message)
     })
 }
 
@@ -162,5 +163,5 @@ impl Stream {
 fn open(_: u16, _: &[Origin]) -> Result<Stream, Failure> {
     let message = "this program was built without `--live`: build it with \
                    `cargo build --features live`";
-    Err(Failure::new(Exit::Usage, message))
+    Err(Failure::new(ErrorKind::Usage, message))
 }

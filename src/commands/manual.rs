@@ -1,12 +1,13 @@
 //! `xcscr man`: writes manual pages.
 
 use std::fs;
-use std::io::{self, ErrorKind};
+use std::io;
 use std::path::{Path, PathBuf};
 
+use xcscr::ErrorKind;
 use xcscr::disk;
 
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
 
 /// Arguments of `man`.
 #[derive(Debug, clap::Args)]
@@ -24,7 +25,7 @@ pub fn run(args: &ManArgs, program: clap::Command) -> Result<(), Failure> {
     write_pages(args, program).map_err(|cause| {
         let (folder, way_out) = (args.out.display(), disk::way_out(&cause));
         let message = format!("cannot write manual pages into {folder}: {cause}{way_out}");
-        Failure::new(Exit::CannotCreate, message)
+        Failure::new(ErrorKind::CannotCreate, message)
     })
 }
 
@@ -53,5 +54,5 @@ fn taken(file: &Path) -> io::Error {
     let file = file.display();
     let message =
         format!("{file} exists and holds something different (replace it with `--force`)");
-    io::Error::new(ErrorKind::AlreadyExists, message)
+    io::Error::new(io::ErrorKind::AlreadyExists, message)
 }

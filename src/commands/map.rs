@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use xcscr::ErrorKind;
 use xcscr::disk;
-use xcscr::picture::{Animation, FilmError, Scenes};
+use xcscr::picture::{Animation, Scenes};
 use xcscr::run::{Rerun, RunFolder, Source};
 use xcscr::trial::Plan;
 
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
 use super::output::OutputFile;
 
 /// Arguments of `map`.
@@ -65,7 +66,7 @@ impl Kind {
                     "{} is not a picture file name: it must end in .svg or .png",
                     file.display()
                 );
-                Err(Failure::new(Exit::Usage, message))
+                Err(Failure::new(ErrorKind::Usage, message))
             }
         }
     }
@@ -87,17 +88,7 @@ fn plan(args: &MapArgs) -> Result<(Plan, Option<u32>), Failure> {
             args.run.display(),
             disk::typed(&args.run)
         );
-        return Err(Failure::new(Exit::BadData, message));
+        return Err(Failure::new(ErrorKind::BadData, message));
     }
     Ok((plan, None))
-}
-
-impl From<FilmError> for Failure {
-    fn from(error: FilmError) -> Self {
-        match error {
-            FilmError::Run(error) => error.into(),
-            FilmError::NoSuchEpisode { .. } => Self::new(Exit::Usage, error.to_string()),
-            FilmError::Picture(_) => Self::new(Exit::BadData, error.to_string()),
-        }
-    }
 }

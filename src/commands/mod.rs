@@ -1,4 +1,12 @@
 //! The subcommands: thin layers over the library, one module each.
+//!
+//! | shared module | contents |
+//! |---|---|
+//! | `choices`, `node`, `live` | arguments that several commands take |
+//! | `learned`, `source` | what a run, a recording or a file of rules holds |
+//! | `output` | JSON documents, and output files |
+//! | `terminal`, `progress`, `sparkline` | text for people |
+//! | `failure`, `interrupt` | errors, exit codes and signals |
 
 mod choices;
 pub mod config;

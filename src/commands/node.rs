@@ -28,20 +28,12 @@ impl NodeArgs {
 /// Parses a pose: x and y in metres and the heading in radians, separated by commas.
 pub fn pose(text: &str) -> Result<[f64; 3], String> {
     let fault = || "a pose is x,y,yaw: two lengths in metres and an angle in radians".to_owned();
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    let numbers: [f64; 3] = numbers
-        .map_err(|_| fault())?
-        .try_into()
-        .map_err(|_| fault())?;
-    match numbers.iter().all(|number| number.is_finite()) {
-        true => Ok(numbers),
-        false => Err(fault()),
-    }
+    super::choices::numbers(text).ok_or_else(fault)
 }
 
 /// Returns the failure of a build without ROS 2.
 #[cfg(not(feature = "ros2"))]
 pub fn missing() -> super::failure::Failure {
     let message = "this build has no ROS 2: build it with `cargo build --features ros2`";
-    super::failure::Failure::new(super::failure::Exit::Usage, message)
+    super::failure::Failure::new(xcscr::ErrorKind::Usage, message)
 }

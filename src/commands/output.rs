@@ -1,11 +1,19 @@
-//! Output files named by the user.
+//! JSON documents on stdout, and output files named by the user.
 
-use std::io::{self, ErrorKind};
+use std::io::{self, Write};
 use std::path::Path;
 
+use serde::Serialize;
+use xcscr::ErrorKind;
 use xcscr::disk;
 
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
+
+/// Prints one JSON document.
+pub fn print_json(value: &impl Serialize, out: &mut impl Write) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(value).map_err(io::Error::from)?;
+    Ok(writeln!(out, "{text}")?)
+}
 
 /// An output file that is checked before the work for it begins.
 #[derive(Debug)]
@@ -34,7 +42,7 @@ fn require_folder(path: &Path) -> io::Result<()> {
     let named = |folder: &&Path| !folder.as_os_str().is_empty();
     match path.parent().filter(named) {
         Some(folder) if !folder.is_dir() => Err(io::Error::new(
-            ErrorKind::NotADirectory,
+            io::ErrorKind::NotADirectory,
             "there is no such folder; create it first, or choose another",
         )),
         _ => Ok(()),
@@ -42,10 +50,10 @@ fn require_folder(path: &Path) -> io::Result<()> {
 }
 
 fn unwritten(path: &Path, cause: &io::Error) -> Failure {
-    let exit = match cause.kind() {
-        ErrorKind::StorageFull | ErrorKind::FileTooLarge => Exit::Io,
-        _ => Exit::CannotCreate,
+    let kind = match cause.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::FileTooLarge => ErrorKind::Io,
+        _ => ErrorKind::CannotCreate,
     };
     let (name, way_out) = (path.display(), disk::way_out(cause));
-    Failure::new(exit, format!("cannot write {name}: {cause}{way_out}"))
+    Failure::new(kind, format!("cannot write {name}: {cause}{way_out}"))
 }

@@ -32,19 +32,21 @@ impl Progress {
 
     /// Creates a bar for a number of episodes; `quiet` hides it.
     pub fn of(episodes: u32, quiet: bool) -> Self {
-        let target = if quiet {
-            ProgressDrawTarget::hidden()
-        } else {
-            ProgressDrawTarget::stderr()
-        };
-        let bar = ProgressBar::with_draw_target(Some(episodes.into()), target);
-        let bar = bar.with_style(style(FIRST));
         Self {
-            bar,
+            bar: bar(episodes.into(), FIRST, quiet),
             best: None,
             is_under_way: false,
         }
     }
+}
+
+/// Returns a bar on stderr, if stderr is a terminal; `quiet` hides it.
+pub fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
+    let target = match quiet {
+        true => ProgressDrawTarget::hidden(),
+        false => ProgressDrawTarget::stderr(),
+    };
+    ProgressBar::with_draw_target(Some(length), target).with_style(style(template))
 }
 
 /// Returns the style of a template.
@@ -61,9 +63,7 @@ impl Observer for Progress {
             let best = self.best.unwrap_or(u32::MAX).min(episode.steps);
             self.best = Some(best);
         }
-        let best = self
-            .best
-            .map_or("none".to_owned(), |steps| steps.to_string());
+        let best = self.best.map_or("none".to_owned(), |best| best.to_string());
         let (steps, collisions) = (episode.steps, episode.collisions);
         self.bar
             .set_message(format!("{steps} steps, {collisions} hits, best {best}"));

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
+use xcscr::ErrorKind;
 use xcscr::drive::{SimulateOptions, SimulatedRobot};
 use xcscr::trial::Settings;
 use xcscr::world::Maze;
 
 use super::choices::{self, SettingsArgs};
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
 use super::node::{self, NodeArgs};
 
 /// Simulated steps per second.
@@ -52,7 +53,7 @@ pub fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let maze = Maze::find(&args.world)?;
     let settings = args.settings.resolve(&Settings::default())?.settings;
     let robot = SimulatedRobot::new(maze.clone(), &settings.physics, args.seed, args.start);
-    let mut robot = robot.map_err(|error| Failure::new(Exit::BadData, error.to_string()))?;
+    let mut robot = robot.map_err(|error| Failure::new(ErrorKind::BadData, error.to_string()))?;
     let options = SimulateOptions {
         node: args.node.options(),
         realtime_factor: args.realtime_factor,
@@ -79,7 +80,7 @@ fn simulate(
         node.domain, node.namespace
     ));
     xcscr::ros2::simulate(maze, robot, options, &|| interrupt.came())
-        .map_err(|error| Failure::new(Exit::Io, error.to_string()))?;
+        .map_err(|error| Failure::new(ErrorKind::Io, error.to_string()))?;
     Ok(())
 }
 

@@ -3,15 +3,30 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::failure::{Exit, Failure};
+use xcscr::ErrorKind;
+
+use super::failure::Failure;
+
+/// Returns the recordings at all paths, in order.
+pub fn all_recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let files: Vec<Vec<PathBuf>> = paths
+        .iter()
+        .map(|path| recordings(path))
+        .collect::<Result<_, _>>()?;
+    Ok(files.concat())
+}
 
 /// Returns the recordings at a path: the file itself, or those of a run folder.
 pub fn recordings(path: &Path) -> Result<Vec<PathBuf>, Failure> {
     if !path.is_dir() {
         return Ok(vec![path.to_owned()]);
     }
-    let unreadable =
-        |cause| Failure::new(Exit::Io, format!("cannot read {}: {cause}", path.display()));
+    let unreadable = |cause| {
+        Failure::new(
+            ErrorKind::Io,
+            format!("cannot read {}: {cause}", path.display()),
+        )
+    };
     let entries: Result<Vec<_>, _> = fs::read_dir(path).map_err(unreadable)?.collect();
     let mut files: Vec<PathBuf> = entries
         .map_err(unreadable)?
@@ -33,7 +48,7 @@ pub fn recordings(path: &Path) -> Result<Vec<PathBuf>, Failure> {
     });
     if files.is_empty() {
         let message = format!("{} holds no recordings (.mcap)", path.display());
-        return Err(Failure::new(Exit::Missing, message));
+        return Err(Failure::new(ErrorKind::Missing, message));
     }
     Ok(files)
 }

@@ -1,7 +1,7 @@
 //! Safe output to the terminal: control characters from files are escaped.
 
 use std::borrow::Cow;
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
@@ -32,6 +32,11 @@ pub fn say(line: &str) {
 /// Prints a line of text to stdout, wrapped for a terminal.
 pub fn write_words(out: &mut impl Write, line: &str) -> io::Result<()> {
     writeln!(out, "{}", fitted(line, &io::stdout()))
+}
+
+/// Prints a line of a report: a label and a value.
+pub fn write_row(out: &mut impl Write, label: &str, value: impl Display) -> io::Result<()> {
+    writeln!(out, "  {label:<20} {value}")
 }
 
 /// Wraps text for a terminal to lines of at most 80 columns, between words. For a file or a pipe,

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use xcscr::ErrorKind;
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
 use xcscr::disk;
@@ -13,9 +14,10 @@ use xcscr::trial::{Config, Plan, Settings, Trial};
 use xcscr::world::Maze;
 
 use super::choices::{self, SettingsArgs};
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::live::{LIVE_PORT, LiveArgs};
+use super::output::print_json;
 use super::progress::Progress;
 use super::replay::browser;
 use super::terminal::{file_link, say};
@@ -84,9 +86,10 @@ pub struct TrainArgs {
 }
 
 impl TrainArgs {
-    fn plan(&self, world: &Path) -> Result<Plan, Failure> {
+    fn plan(&self) -> Result<Plan, Failure> {
         let resolved = self.settings.resolve(&Settings::default())?;
-        let maze = Maze::find(world)?;
+        // The command line requires a world without `--resume`.
+        let maze = Maze::find(self.world.as_deref().unwrap_or(Path::new("")))?;
         let config = Config {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             method: self.method,
@@ -103,13 +106,7 @@ impl TrainArgs {
                 .transpose()?,
             settings: resolved.settings.clone(),
         };
-        let Config {
-            method,
-            arena,
-            sensor,
-            ..
-        } = config;
-        resolved.check_read(Some(method), arena, sensor)?;
+        resolved.check_read(Some(config.method), config.arena, config.sensor)?;
         Ok(Plan { maze, config })
     }
 }
@@ -117,9 +114,9 @@ impl TrainArgs {
 /// Trains, records, saves and reports.
 pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
     let broadcast = args.live.open(args.port, 10.0)?;
-    let (mut session, interrupt) = match (&args.world, &args.resume) {
-        (Some(world), _) => begin(args, world)?,
-        (None, folder) => match resume(folder.iter())? {
+    let (mut session, interrupt) = match &args.resume {
+        None => begin(args)?,
+        Some(folder) => match resume(folder)? {
             (Resumed::Unfinished(session), interrupt) => (*session, interrupt),
             (Resumed::Finished(folder), _) => return say_finished(&folder, args.json, out),
         },
@@ -141,13 +138,13 @@ pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
     let report = TrainReport::new(&trial, folder.path());
     if args.json {
-        return Ok(writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?);
+        return print_json(&report, out);
     }
     report.print(&trial, &steps, &recording, out)
 }
 
-fn begin(args: &TrainArgs, world: &Path) -> Result<(Session, Interrupt), Failure> {
-    let plan = args.plan(world)?;
+fn begin(args: &TrainArgs) -> Result<(Session, Interrupt), Failure> {
+    let plan = args.plan()?;
     let default = || PathBuf::from("recordings").join(plan.folder_name());
     let path = args.out.clone().unwrap_or_else(default);
     say_warnings(&plan);
@@ -159,8 +156,8 @@ fn begin(args: &TrainArgs, world: &Path) -> Result<(Session, Interrupt), Failure
 
 /// Resumes the run in a folder. Removes a trailing slash, so that the name is the same as in a new
 /// run.
-fn resume<'a>(folder: impl Iterator<Item = &'a PathBuf>) -> Result<(Resumed, Interrupt), Failure> {
-    let path: PathBuf = folder.flat_map(|path| path.components()).collect();
+fn resume(folder: &Path) -> Result<(Resumed, Interrupt), Failure> {
+    let path: PathBuf = folder.components().collect();
     let folder = RunFolder::resume(&path)?;
     let interrupt = watch(&folder)?;
     Ok((Session::resume(folder)?, interrupt))
@@ -171,9 +168,9 @@ fn watch(folder: &RunFolder) -> Result<Interrupt, Failure> {
     let folder = RunFolder::open(folder.path());
     let shutdown_message = move || {
         let message = format!("interrupted in an episode{}", folder.way_on());
-        Failure::new(Exit::Interrupted, message)
+        Failure::new(ErrorKind::Interrupted, message)
     };
-    Ok(Interrupt::watch(shutdown_message)?)
+    Interrupt::watch(shutdown_message)
 }
 
 /// Prints the warnings about a plan on stderr.
@@ -190,7 +187,7 @@ fn say_finished(folder: &RunFolder, json: bool, out: &mut impl Write) -> Result<
     if json {
         let said =
             serde_json::json!({ "run_dir": run_dir, "finished": true, "episodes": episodes });
-        return Ok(writeln!(out, "{said:#}")?);
+        return print_json(&said, out);
     }
     Ok(writeln!(
         out,

@@ -14,7 +14,7 @@ use xcscr::world::{Cell, Facts, Maze};
 
 use super::failure::Failure;
 use super::sparkline::sparkline;
-use super::terminal::{file_link, print_maze, write_link};
+use super::terminal::{file_link, print_maze, write_link, write_row};
 
 /// The legend of the drawn maze.
 const LEGEND: &str = "→ best action   + several are best   ? nothing known   G goal";
@@ -126,19 +126,18 @@ impl TrainReport {
             }
         }
         writeln!(out, "{}", self.headline())?;
-        writeln!(out, "  shortest path        {}", self.shortest_path())?;
-        writeln!(out, "  first optimal        {}", self.first_optimal())?;
-        writeln!(out, "  greedy policy now    {}", self.greedy())?;
+        write_row(out, "shortest path", self.shortest_path())?;
+        write_row(out, "first optimal", self.first_optimal())?;
+        write_row(out, "greedy policy now", self.greedy())?;
         self.print_failure(trial, out)?;
-        let (steps, collisions) = (self.steps, self.collisions);
-        writeln!(out, "  steps, collisions    {steps}, {collisions}")?;
-        writeln!(out, "  chosen by            {}", self.chosen)?;
+        let counts = format!("{}, {}", self.steps, self.collisions);
+        write_row(out, "steps, collisions", counts)?;
+        write_row(out, "chosen by", self.chosen)?;
         if self.estimator == "map" {
-            writeln!(out, "  state                {ON_A_MAP}")?;
+            write_row(out, "state", ON_A_MAP)?;
         }
-        writeln!(out, "  {:<20} {}", self.counted, self.rules)?;
-        let curve = sparkline(steps_per_episode);
-        writeln!(out, "  steps per episode    {curve}")?;
+        write_row(out, self.counted, self.rules)?;
+        write_row(out, "steps per episode", sparkline(steps_per_episode))?;
         self.print_files(recording, out)
     }
 
@@ -190,19 +189,17 @@ impl TrainReport {
             return Ok(());
         };
         let paid = rewards_on(&path, maze);
-        writeln!(out, "  it takes             {}", course(&path, paid, maze))?;
+        write_row(out, "it takes", course(&path, paid, maze))?;
         if paid > 0 && self.greedy_steps.is_some() {
             let means = "means a shortest path, regardless of rewards on the way";
-            return Ok(writeln!(out, "  optimal              {means}")?);
+            return Ok(write_row(out, "optimal", means)?);
         }
         if let Some((one, other)) = aliased_cells(trial) {
-            writeln!(
-                out,
-                "  same percept         {one} and {other}; `world info` lists all"
-            )?;
+            let cells = format!("{one} and {other}; `world info` lists all");
+            write_row(out, "same percept", cells)?;
         }
         if let Some(advice) = trial.plan().advice() {
-            writeln!(out, "  try                  {advice}")?;
+            write_row(out, "try", advice)?;
         }
         Ok(())
     }

@@ -5,13 +5,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 use serde::Serialize;
+use xcscr::ErrorKind;
 use xcscr::sensor::{Alike, Sensor};
 use xcscr::trial::{Bounds, Estimate};
 use xcscr::world::{Cell, Facts, Maze, MazeKind, Origin, Recipe};
 
 use super::choices;
 use super::convert::{self, ConvertArgs};
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
+use super::output::print_json;
 use super::terminal::write_words;
 
 /// The most cells of a list that are printed.
@@ -79,7 +81,7 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
         }
         WorldCommand::Generate(GenerateArgs { kind, size, seed }) => {
             let maze = Recipe { kind, size, seed }.maze();
-            let maze = maze.map_err(|fault| Failure::new(Exit::Usage, fault.to_string()))?;
+            let maze = maze.map_err(|fault| Failure::new(ErrorKind::Usage, fault.to_string()))?;
             Ok(write!(out, "{}", maze.to_json())?)
         }
         WorldCommand::Convert(args) => convert::run(&args, out),
@@ -96,10 +98,7 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
                 ..Description::new(&maze)
             };
             match json {
-                true => {
-                    serde_json::to_writer_pretty(&mut *out, &description)?;
-                    Ok(writeln!(out)?)
-                }
+                true => print_json(&description, out),
                 false => description.print(out),
             }
         }
@@ -110,13 +109,13 @@ fn check(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
     if let [file] = files {
         return Ok(write_words(out, &summary(file, &Maze::find(file)?))?);
     }
-    let mut failures: Vec<Exit> = Vec::new();
+    let mut failures: Vec<ErrorKind> = Vec::new();
     for file in files {
         match Maze::find(file).map_err(Failure::from) {
             Ok(maze) => write_words(out, &summary(file, &maze))?,
             Err(failure) => {
                 failure.print();
-                failures.push(failure.exit);
+                failures.push(failure.kind());
             }
         }
     }
@@ -125,12 +124,12 @@ fn check(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
 
 /// Returns the failure for several files. Bad data takes precedence over missing and unreadable
 /// files.
-fn verdict(failures: &[Exit], files: usize) -> Result<(), Failure> {
+fn verdict(failures: &[ErrorKind], files: usize) -> Result<(), Failure> {
     let Some(&first) = failures.first() else {
         return Ok(());
     };
-    let exit = match failures.contains(&Exit::BadData) {
-        true => Exit::BadData,
+    let exit = match failures.contains(&ErrorKind::BadData) {
+        true => ErrorKind::BadData,
         false => first,
     };
     let message = format!("{} of {files} worlds cannot be used", failures.len());

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::Duration;
 
+use crate::error::{Error, ErrorKind};
+
 /// The name of the lock file. It contains the process id of the holder.
 pub const LOCK: &str = "run.lock";
 /// The most bytes that are read of a lock file.
@@ -23,34 +25,24 @@ pub struct FolderLock {
     path: PathBuf,
 }
 
-/// Errors when acquiring a lock.
-#[derive(Debug)]
-pub enum LockError {
-    /// Another process holds the lock. Contains its process id, if readable.
-    Held(Option<u32>),
-    /// The lock file cannot be used.
-    File(PathBuf, io::Error),
-}
-
 impl FolderLock {
-    /// Locks an existing folder.
-    pub fn acquire(folder: &Path) -> Result<Self, LockError> {
+    /// Locks an existing folder. `fault` converts an error of the lock file.
+    pub fn acquire(folder: &Path, fault: impl Fn(io::Error) -> Error) -> Result<Self, Error> {
         let path = folder.join(LOCK);
-        let fault = |cause| LockError::File(path.clone(), cause);
         if is_foreign_lock(&path) {
             let message = "it was not made by this program; move it away";
             return Err(fault(io::Error::other(message)));
         }
         let mut holder = None;
         for _ in 0..TRIES {
-            let file = open(&path).map_err(fault)?;
+            let file = open(&path).map_err(&fault)?;
             match file.try_lock() {
                 Ok(()) => {
                     let mut lock = Self {
                         file,
                         path: path.clone(),
                     };
-                    if lock.sign().map_err(fault)? {
+                    if lock.sign().map_err(&fault)? {
                         return Ok(lock);
                     }
                 }
@@ -64,7 +56,12 @@ impl FolderLock {
             }
             sleep(PAUSE);
         }
-        Err(LockError::Held(holder))
+        let holder = holder.map_or("another process".to_owned(), |pid| format!("process {pid}"));
+        let message = format!(
+            "{} is in use by {holder}: wait for it, or choose another folder with `--out`",
+            folder.display()
+        );
+        Err(ErrorKind::InUse.error(message))
     }
 
     /// Writes the process id into the lock file. Returns false if the previous holder has removed

@@ -8,12 +8,13 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+
 pub use atomic::write;
 pub(crate) use atomic::{
     aside, is_leftover_of, keep_or_create, leftover_of, persist, remove_leftovers, rename, replace,
     replace_with,
 };
-pub(crate) use lock::LockError;
 pub(crate) use lock::{FolderLock, LOCK, is_foreign_lock};
 pub use typed::{named, typed};
 pub use xcscr_robot::input::{open, read, read_text};
@@ -23,6 +24,12 @@ pub(crate) fn part(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".part");
     name.into()
+}
+
+/// Returns plain data as the text of a JSON file.
+pub(crate) fn json(value: &impl Serialize) -> String {
+    let text = serde_json::to_string_pretty(value).expect("plain data becomes JSON");
+    text + "\n"
 }
 
 /// The most bytes read of any input. This is more than this program writes into any file that it

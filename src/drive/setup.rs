@@ -4,10 +4,11 @@ use nalgebra::{Isometry2, Vector2};
 use serde_json::Value;
 
 use super::watch::Frames;
-use crate::agent::{Knowledge, Misfit};
-use crate::arena::{ArenaKind, PhysicsError, PhysicsParams, check_fit};
+use crate::agent::Knowledge;
+use crate::arena::{ArenaKind, PhysicsParams, check_fit};
+use crate::error::{Error, ErrorKind};
 use crate::sensor::Sensor;
-use crate::trial::{Plan, RobotProfile, SettingsError};
+use crate::trial::{Plan, RobotProfile};
 use crate::world::{Maze, Moves};
 
 /// A policy, the robot it drives, and the robot's pose.
@@ -40,95 +41,39 @@ pub struct DriveOptions {
     pub frames: Frames,
 }
 
-/// Errors in the setup of a drive.
-#[derive(Debug, thiserror::Error)]
-pub enum Refusal {
-    /// The policy was trained with another robot.
-    #[error(
-        "the policy was trained with another robot than {robot}: `{setting}` is {trained} there and {found} here; train it \
-         with `--robot {robot}`"
-    )]
-    OtherRobot {
-        /// The robot of the drive.
-        robot: String,
-        /// The first setting that differs.
-        setting: String,
-        /// Its value in the run.
-        trained: String,
-        /// Its value in the profile.
-        found: String,
-    },
-    /// The policy was trained with another cell size.
-    #[error(
-        "the policy was trained in cells of {trained_m} m, but {world} has cells of {found_m} m; train it in {world}"
-    )]
-    OtherCells {
-        /// The world of the drive.
-        world: String,
-        /// The cell size of the run, in metres.
-        trained_m: f64,
-        /// The cell size of the world, in metres.
-        found_m: f64,
-    },
-    /// The policy was trained on the grid, and no robot was given.
-    #[error("the policy was trained on the grid; name the robot with `--robot`")]
-    NoRobot,
-    /// The percept is computed from the maze.
-    #[error(
-        "the percept `{0}` is ground truth, which no robot can sense; train with `--sensor lidar` or `lidar-position`"
-    )]
-    Privileged(&'static str),
-    /// The robot has no lidar.
-    #[error("the robot has no lidar (`physics.lidar.fitted`)")]
-    NoLidar,
-    /// A robot cannot make the moves of the world.
-    #[error("{0} has eight moves or joined edges, which a robot cannot drive")]
-    Moves(String),
-    /// The start is not in a free cell.
-    #[error(
-        "the start {0:?} is not in a free cell of the maze, or in a goal; pass `--start x,y,yaw` in the map frame"
-    )]
-    Start([f64; 3]),
-    /// The world has no fixed start, and no start pose was given.
-    #[error("the world has no fixed start cell; pass `--start x,y,yaw` in the map frame")]
-    NoStart,
-    /// The learned policy does not fit the percept or the actions.
-    #[error(transparent)]
-    Misfit(#[from] Misfit),
-    /// The robot does not fit into the maze, or a setting is out of range.
-    #[error(transparent)]
-    Physics(#[from] PhysicsError),
-    /// A setting of the robot's profile is invalid.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-}
-
 impl DriveSetup {
     /// Checks that a policy can drive a robot.
     ///
     /// # Errors
     /// Returns an error if the policy is for another robot or cell size, if no robot can sense the
     /// percept, or if the start is in a wall.
-    pub fn new(plan: &Plan, knowledge: &Knowledge, options: DriveOptions) -> Result<Self, Refusal> {
+    pub fn new(plan: &Plan, knowledge: &Knowledge, options: DriveOptions) -> Result<Self, Error> {
         let config = &plan.config;
         let physics = robot(plan, options.robot.as_ref())?;
         let trained = &plan.maze;
         let maze = options.world.unwrap_or_else(|| trained.clone());
+        let world = maze.name();
         if maze.cell_size_m() != trained.cell_size_m() {
-            return Err(Refusal::OtherCells {
-                world: maze.name().to_owned(),
-                trained_m: trained.cell_size_m(),
-                found_m: maze.cell_size_m(),
-            });
+            return Err(refusal(format!(
+                "the policy was trained in cells of {} m, but {world} has cells of {} m; train it in {world}",
+                trained.cell_size_m(),
+                maze.cell_size_m()
+            )));
         }
         if !config.sensor.is_sensed() {
-            return Err(Refusal::Privileged(config.sensor.name()));
+            return Err(refusal(format!(
+                "the percept `{}` is ground truth, which no robot can sense; train with `--sensor lidar` or \
+                 `lidar-position`",
+                config.sensor.name()
+            )));
         }
         if !physics.lidar.fitted {
-            return Err(Refusal::NoLidar);
+            return Err(refusal("the robot has no lidar (`physics.lidar.fitted`)"));
         }
         if maze.moves() == Moves::Eight || maze.wraps() {
-            return Err(Refusal::Moves(maze.name().to_owned()));
+            return Err(refusal(format!(
+                "{world} has eight moves or joined edges, which a robot cannot drive"
+            )));
         }
         check_fit(&maze, &physics)?;
         knowledge.check(config.sensor.width(&maze), maze.action_count())?;
@@ -156,13 +101,19 @@ impl DriveSetup {
     }
 }
 
+fn refusal(message: impl Into<String>) -> Error {
+    ErrorKind::BadData.error(message)
+}
+
 /// Returns the robot of a drive, which must equal the robot of the run.
-fn robot(plan: &Plan, profile: Option<&RobotProfile>) -> Result<PhysicsParams, Refusal> {
+fn robot(plan: &Plan, profile: Option<&RobotProfile>) -> Result<PhysicsParams, Error> {
     let settings = &plan.config.settings;
     let Some(profile) = profile else {
         return match plan.config.arena {
             ArenaKind::Physics => Ok(settings.physics.clone()),
-            ArenaKind::Grid => Err(Refusal::NoRobot),
+            ArenaKind::Grid => Err(refusal(
+                "the policy was trained on the grid; name the robot with `--robot`",
+            )),
         };
     };
     let found = profile.settings_over(settings)?.physics;
@@ -173,14 +124,13 @@ fn robot(plan: &Plan, profile: Option<&RobotProfile>) -> Result<PhysicsParams, R
     let [Some(trained), Some(own)] = all else {
         return Ok(found);
     };
+    let robot = profile.name();
     match difference("physics", &trained, &own) {
         None => Ok(found),
-        Some((setting, trained, found)) => Err(Refusal::OtherRobot {
-            robot: profile.name().to_owned(),
-            setting,
-            trained,
-            found,
-        }),
+        Some((setting, trained, found)) => Err(refusal(format!(
+            "the policy was trained with another robot than {robot}: `{setting}` is {trained} there and {found} \
+             here; train it with `--robot {robot}`"
+        ))),
     }
 }
 
@@ -200,9 +150,10 @@ fn pose([x, y, yaw]: [f64; 3]) -> Isometry2<f64> {
 }
 
 /// Returns the start pose in the grid frame.
-fn start(maze: &Maze, given: Option<[f64; 3]>) -> Result<Isometry2<f64>, Refusal> {
+fn start(maze: &Maze, given: Option<[f64; 3]>) -> Result<Isometry2<f64>, Error> {
     let Some(given) = given else {
-        let cell = maze.start().ok_or(Refusal::NoStart)?;
+        let no_start = "the world has no fixed start cell; pass `--start x,y,yaw` in the map frame";
+        let cell = maze.start().ok_or_else(|| refusal(no_start))?;
         let middle = maze.centre_in_grid(cell);
         return Ok(Isometry2::translation(middle.x, middle.y));
     };
@@ -215,6 +166,9 @@ fn start(maze: &Maze, given: Option<[f64; 3]>) -> Result<Isometry2<f64>, Refusal
     let is_free = cell.is_some_and(|cell| !maze.is_wall(cell) && !maze.is_goal(cell));
     match is_free && given.iter().all(|number| number.is_finite()) {
         true => Ok(in_grid),
-        false => Err(Refusal::Start(given)),
+        false => Err(refusal(format!(
+            "the start {given:?} is not in a free cell of the maze, or in a goal; pass `--start x,y,yaw` in the \
+             map frame"
+        ))),
     }
 }

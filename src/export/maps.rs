@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use super::quantised::{ExportError, MOST_STATES};
+use super::policy::{MOST_STATES, nothing_learned};
 use crate::agent::{Map, pomdp::GOAL};
+use crate::error::{Error, ErrorKind};
 use xcs::Action;
 
 /// The maps of a learner, with at most [`MOST_STATES`] states.
@@ -46,11 +47,16 @@ impl MapTable {
     ///
     /// # Errors
     /// When there are no states, or too many.
-    pub fn new(map: &Map) -> Result<Self, ExportError> {
+    pub fn new(map: &Map) -> Result<Self, Error> {
         match map.pomdp.states() {
-            0 => return Err(ExportError::Empty),
+            0 => return Err(nothing_learned()),
             1..=MOST_STATES => {}
-            many => return Err(ExportError::Vast(many)),
+            many => {
+                return Err(ErrorKind::BadData.error(format!(
+                    "the maps of the rules have {many} states, but at most {MOST_STATES} can be exported: \
+                     train another method for export, such as xcscr-plus"
+                )));
+            }
         }
         Ok(Self {
             states: (0..map.pomdp.states() as u32)

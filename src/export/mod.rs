@@ -1,7 +1,7 @@
 //! Exports learned policies as source code for a robot, or as a table.
 //!
 //! The rules keep voting as in this program, but with integers. A microcontroller without floating
-//! point chooses the same action. [`QuantisedPolicy`] finds the smallest integer sizes for which
+//! point chooses the same action. [`Policy`] finds the smallest integer sizes for which
 //! this holds. Rules with a map are exported with their maps as a table, and with a tracker that
 //! follows the robot on them. Source code also converts a pose in metres to a percept.
 //!
@@ -14,14 +14,12 @@ mod maps;
 mod model;
 mod policy;
 mod provenance;
-mod quantised;
 mod rays;
 mod templates;
 
 use model::{Model, Source};
-pub use policy::Policy;
+pub use policy::{Policy, WeightedRule};
 pub use provenance::Provenance;
-pub use quantised::{ExportError, QuantisedPolicy, WeightedRule};
 use strum::{IntoStaticStr, VariantArray};
 
 /// The export formats.

@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 
+use super::Provenance;
 use super::maps::MapTable;
+use super::policy::{Policy, Size};
 use super::provenance::{Facts, Robot};
-use super::quantised::Size;
 use super::rays::{self, Ray};
-use super::{Policy, Provenance, QuantisedPolicy};
 use crate::agent::pomdp::NEGLIGIBLE;
 use crate::agent::{BEGUN_ELSEWHERE, Demand, MISLOCALISED, PERCEPT_BITS, Part, demands};
+use crate::disk;
 use crate::world::Maze;
 use xcs::{Action, Condition};
 
@@ -42,8 +43,7 @@ struct Rule {
 
 impl<'a> Model<'a> {
     pub fn new(policy: &'a Policy, provenance: &'a Provenance) -> Self {
-        let quantised = policy.quantised();
-        let rules = quantised.votes().iter().map(|vote| Rule {
+        let rules = policy.votes().iter().map(|vote| Rule {
             condition: vote.condition.to_string(),
             action: vote.action.index(),
             weight: vote.weight,
@@ -51,11 +51,11 @@ impl<'a> Model<'a> {
             words: provenance.words(&vote.condition),
             go: provenance.action(vote.action),
         });
-        let bits = 0..quantised.width();
-        let actions = Action::all(quantised.actions());
+        let bits = 0..policy.width();
+        let actions = Action::all(policy.actions());
         Self {
             origin: &provenance.facts,
-            compared: quantised.compared(),
+            compared: policy.compared(),
             bits: bits.map(|bit| provenance.bit(bit)).collect(),
             actions: actions.map(|action| provenance.action(action)).collect(),
             rules: rules.collect(),
@@ -65,8 +65,7 @@ impl<'a> Model<'a> {
 
     /// Returns a JSON document.
     pub fn json(&self) -> String {
-        let text = serde_json::to_string_pretty(self).expect("texts and numbers");
-        text + "\n"
+        disk::json(self)
     }
 
     /// Returns a CSV table with a row for each rule.
@@ -152,18 +151,18 @@ struct TrackerModel {
 
 impl<'a> Source<'a> {
     pub fn new(policy: &'a Policy, provenance: &'a Provenance) -> Self {
-        let (quantised, maps) = (policy.quantised(), policy.maps());
+        let maps = policy.maps();
         let pairs = |condition: &Condition| match maps {
             Some(_) => context_pairs(&demands(condition))
                 .map(|(_, pair)| pair)
                 .to_vec(),
-            None => percept_pairs(quantised, condition),
+            None => percept_pairs(policy, condition),
         };
-        let votes = quantised.votes().iter();
+        let votes = policy.votes().iter();
         Self {
             model: Model::new(policy, provenance),
             origin_lines: provenance.lines(),
-            size: quantised.size(),
+            size: policy.size(),
             conditions: votes.map(|vote| pairs(&vote.condition)).collect(),
             parts: context_pairs(&[]),
             percept: PerceptBits::new(policy, provenance),
@@ -178,7 +177,7 @@ impl<'a> Source<'a> {
 impl PerceptBits {
     fn new(policy: &Policy, provenance: &Provenance) -> Self {
         let (maze, sensor) = (&provenance.maze, provenance.sensor);
-        let width = policy.quantised().width();
+        let width = policy.width();
         let bits = policy.maps().map_or(width, |_| PERCEPT_BITS);
         let [column_bits, row_bits] = sensor.place_bits(maze);
         Self {
@@ -236,16 +235,16 @@ impl TrackerModel {
 }
 
 /// Returns the demands of a condition on each byte of a percept.
-fn percept_pairs(quantised: &QuantisedPolicy, condition: &Condition) -> Vec<Pair> {
+fn percept_pairs(policy: &Policy, condition: &Condition) -> Vec<Pair> {
     let byte = |first: usize| {
-        let bits = first..(first + 8).min(quantised.width());
+        let bits = first..(first + 8).min(policy.width());
         let demands = bits.filter_map(|bit| Some((bit - first, condition.allele(bit)?)));
         let [mask, value] = demands.fold([0_u8; 2], |[mask, value], (bit, demanded)| {
             [mask | 1 << bit, value | u8::from(demanded) << bit]
         });
         masked(mask.into(), value.into())
     };
-    (0..quantised.width()).step_by(8).map(byte).collect()
+    (0..policy.width()).step_by(8).map(byte).collect()
 }
 
 /// Returns demands on a context as a pair for each part, with the names of the parts.

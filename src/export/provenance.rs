@@ -89,23 +89,15 @@ impl Provenance {
     /// Returns the facts as lines for a comment. The names of worlds cannot contain the end of a
     /// comment.
     pub(super) fn lines(&self) -> Vec<String> {
-        let Facts {
-            program,
-            world,
-            sensor,
-            method,
-            seed,
-            rules_crc32,
-        } = &self.facts;
-        let mut lines = vec![
-            format!("Written by {program}."),
-            format!("World {world}, percept {sensor}."),
-            format!("CRC-32 of the rules: {rules_crc32}."),
+        let facts = &self.facts;
+        let run = facts.method.as_ref().zip(facts.seed);
+        let lines = [
+            Some(format!("Written by {}.", facts.program)),
+            Some(format!("World {}, percept {}.", facts.world, facts.sensor)),
+            run.map(|(method, seed)| format!("Learned by {method} with seed {seed}.")),
+            Some(format!("CRC-32 of the rules: {}.", facts.rules_crc32)),
         ];
-        if let Some((method, seed)) = method.as_ref().zip(*seed) {
-            lines.insert(2, format!("Learned by {method} with seed {seed}."));
-        }
-        lines
+        lines.into_iter().flatten().collect()
     }
 
     /// Returns the meaning of a bit of a percept, or of a context, when it is 1.

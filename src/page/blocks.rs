@@ -34,7 +34,7 @@ pub struct Picture {
 }
 
 /// The name of a column, and the function that formats an item as its cell.
-pub(crate) type Column<'a, T> = (&'a str, &'a dyn Fn(&T) -> String);
+pub type Column<'a, T> = (&'a str, &'a dyn Fn(&T) -> String);
 
 /// A header and rows. The first column and text columns are left-aligned, numbers right-aligned.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,7 +55,7 @@ impl Table {
     }
 
     /// Creates a table with a row for each item.
-    pub(crate) fn of<T>(items: impl IntoIterator<Item = T>, columns: &[Column<'_, T>]) -> Self {
+    pub fn of<T>(items: impl IntoIterator<Item = T>, columns: &[Column<'_, T>]) -> Self {
         let mut table = Self::new(columns.iter().map(|(name, _)| *name));
         let row = |item| columns.iter().map(|(_, cell)| cell(&item)).collect();
         table.rows = items.into_iter().map(row).collect();

@@ -5,7 +5,8 @@ use std::ops::ControlFlow;
 use super::{drawing, moving_png, pixels};
 use crate::arena::View;
 use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
-use crate::run::{Rerun, RunError};
+use crate::error::{Error, ErrorKind};
+use crate::run::Rerun;
 use crate::trial::{Judge, Plan, steps_to_goal};
 use crate::world::{Cell, Maze, Paths};
 
@@ -52,39 +53,23 @@ pub struct Animation {
     pub(super) moments: Vec<Moment>,
 }
 
-/// Errors when making a picture.
-#[derive(Debug, thiserror::Error)]
-pub enum FilmError {
-    /// The run cannot be repeated.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// The run has too few episodes.
-    #[error("there is no episode {wanted}: the run has {episodes}")]
-    NoSuchEpisode {
-        /// The requested episode.
-        wanted: u32,
-        /// The number of episodes of the run.
-        episodes: u32,
-    },
-    /// The picture cannot be drawn.
-    #[error("cannot draw the picture: {0}")]
-    Picture(String),
-}
-
 impl Animation {
     /// Repeats a run as far as needed and collects the frames.
     ///
     /// # Errors
     /// When the run cannot be repeated or has no such episode, or when the maze has more than a million
     /// cells.
-    pub fn of(run: &Rerun, scenes: Scenes) -> Result<Self, FilmError> {
+    pub fn of(run: &Rerun, scenes: Scenes) -> Result<Self, Error> {
         let plan = &run.plan;
         check_size(&plan.maze)?;
         let episodes = plan.config.episodes;
         let last = match scenes {
             Scenes::Last | Scenes::Forming => episodes,
             Scenes::After(wanted) if (1..=episodes).contains(&wanted) => wanted,
-            Scenes::After(wanted) => return Err(FilmError::NoSuchEpisode { wanted, episodes }),
+            Scenes::After(wanted) => {
+                let message = format!("there is no episode {wanted}: the run has {episodes}");
+                return Err(ErrorKind::Usage.error(message));
+            }
         };
         let mut camera = Camera::new(last, scenes == Scenes::Forming, plan);
         // The camera ends the run.
@@ -114,22 +99,23 @@ impl Animation {
     ///
     /// # Errors
     /// When the picture is too large.
-    pub fn png(&self) -> Result<Vec<u8>, FilmError> {
+    pub fn png(&self) -> Result<Vec<u8>, Error> {
         let drawing = drawing::draw(self);
         let picture = match drawing.frames.len() {
             1 => pixels::png(&drawing.document()),
             _ => moving_png::png(&drawing),
         };
-        picture.map_err(FilmError::Picture)
+        picture
+            .map_err(|fault| ErrorKind::BadData.error(format!("cannot draw the picture: {fault}")))
     }
 }
 
-fn check_size(maze: &Maze) -> Result<(), FilmError> {
+fn check_size(maze: &Maze) -> Result<(), Error> {
     let (width, height) = (usize::from(maze.width()), usize::from(maze.height()));
     match width * height {
         0..=MOST_CELLS => Ok(()),
-        cells => Err(FilmError::Picture(format!(
-            "{} has {cells} cells, but at most {MOST_CELLS} can be drawn; `xcscr rules RUN --cell COL,ROW` \
+        cells => Err(ErrorKind::BadData.error(format!(
+            "cannot draw the picture: {} has {cells} cells, but at most {MOST_CELLS} can be drawn; `xcscr rules RUN --cell COL,ROW` \
              shows what was learned in one cell",
             maze.name()
         ))),
@@ -276,7 +262,7 @@ mod tests {
         Maze::from_json(format!(r#"{{ "rows": {rows:?} }}"#).as_bytes(), "hall").unwrap()
     }
 
-    fn filmed(plan: Plan, scenes: Scenes) -> Result<Animation, FilmError> {
+    fn filmed(plan: Plan, scenes: Scenes) -> Result<Animation, Error> {
         Animation::of(&Rerun::training(plan), scenes)
     }
 

@@ -8,7 +8,7 @@ mod moving_png;
 mod pixels;
 mod svg;
 
-pub use animation::{Animation, FilmError, Scenes};
+pub use animation::{Animation, Scenes};
 pub(crate) use colours::{NO_GOAL, SCALE, css};
 pub use map_preview::map_preview;
 pub(crate) use pixels::{FONT, png};

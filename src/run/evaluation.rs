@@ -5,11 +5,12 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use super::contents::{file_names, is_of_a_run, is_of_a_training};
-use super::error::{RunError, RunFolderError};
+use super::error::{self, RunError};
 use super::facts::run_info;
 use crate::agent::{Frozen, Knowledge};
 use crate::disk;
 use crate::episode::{Episode, Learned, Observer};
+use crate::error::ErrorKind;
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordSummary, Recorder, RecordingKind, RunInfo, RunKind};
 use crate::trial::{Evaluation, Plan, PlanError};
@@ -19,7 +20,7 @@ use crate::trial::{Evaluation, Plan, PlanError};
 ///
 /// # Errors
 /// If the plan is invalid, the knowledge does not fit the world, or a file cannot be written.
-/// [`RunError::Stopped`] if `stop` returned true after an episode.
+/// [`ErrorKind::Interrupted`] if `stop` returned true after an episode.
 pub fn record_evaluation(
     plan: &Plan,
     knowledge: &Knowledge,
@@ -35,10 +36,10 @@ pub fn record_evaluation(
 ///
 /// # Errors
 /// If the folder contains other files, or cannot be read or emptied.
-pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError> {
+pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunError> {
     let entries = match file_names(folder) {
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(()),
-        names => names.map_err(RunFolderError::io(folder))?,
+        names => names.map_err(error::read(folder))?,
     };
     if entries.is_empty() {
         return Ok(());
@@ -55,17 +56,17 @@ pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError
         recording.is_ok_and(|run| run.run_kind() == RunKind::Evaluation) || is_unfinished(&names);
     if !is_evaluation || names.len() < entries.len() || !names.iter().all(|name| is_of_a_run(name))
     {
-        return Err(RunFolderError::Foreign(folder.to_owned()));
+        return Err(error::foreign(folder));
     }
     if !force {
-        return Err(RunFolderError::Exists(folder.to_owned()));
+        return Err(error::exists(folder));
     }
     // Remove `run.mcap` last, because it identifies the folder as an evaluation.
     names.retain(|name| *name != run);
     names.push(run);
     for name in names {
         let path = folder.join(name);
-        disk::remove(&path).map_err(RunFolderError::write(&path))?;
+        disk::remove(&path).map_err(error::write(&path))?;
     }
     Ok(())
 }
@@ -91,7 +92,7 @@ pub(super) fn record_drives(
     let mut observers = (&mut recorder, &mut Until(stop));
     let evaluation = Evaluation::observed(&plan, knowledge, episodes, &mut observers)?;
     if stop() {
-        return Err(RunError::Stopped);
+        return Err(ErrorKind::Interrupted.error("interrupted"));
     }
     Ok((evaluation, recorder.finish(&frozen)?))
 }

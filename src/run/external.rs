@@ -11,14 +11,14 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::error::RunError;
+use super::error::{self, RunError};
 use super::facts::run_info;
 use crate::agent::{Agent, Choice, Chooser, EndCredit, Explorer, Knowledge, StepCredit};
 use crate::arena::{Lasting, Outcome, Sample};
 use crate::episode;
 use crate::record::{RecordMode, RecordSummary, Recorder, RunInfo, RunKind};
 use crate::streams::StreamName;
-use crate::trial::{Plan, PlanError};
+use crate::trial::Plan;
 use crate::world::Cell;
 use xcs::random::Stream;
 use xcs::{Action, Percept, PredictionArray};
@@ -80,15 +80,13 @@ impl ExternalRecorder {
     /// If the episode is impossible in this world, or a file cannot be written.
     pub fn record(&mut self, episode: ExternalEpisode) -> Result<Sample, RunError> {
         let number = self.episodes.len() + 1;
-        let fault = |fault: String| RunError::Recording {
-            file: self.folder.clone(),
-            fault: format!("episode {number}: {fault}"),
-        };
+        let fault =
+            |fault: String| error::recording(&self.folder, format!("episode {number}: {fault}"));
         self.check(&episode).map_err(fault)?;
         let Plan { maze, config } = &self.plan;
         let mut config = config.clone();
         config.seed = episode.seed;
-        let mut arena = config.build_arena(maze).map_err(PlanError::from)?;
+        let mut arena = config.build_arena(maze)?;
         // The times of a recording increase across episodes. The lidar is where it was at time 0.
         let lasting = Lasting {
             time_ns: self.clock_ns,
@@ -192,10 +190,7 @@ fn lidar_cycle_ns(plan: &Plan) -> u64 {
 }
 
 fn require_empty(folder: &Path) -> Result<(), RunError> {
-    let fault = |fault: String| RunError::Recording {
-        file: folder.to_owned(),
-        fault,
-    };
+    let fault = |fault: String| error::recording(folder, fault);
     match fs::read_dir(folder) {
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(cause) => Err(fault(cause.to_string())),

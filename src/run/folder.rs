@@ -8,10 +8,11 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::contents::{CONFIG, Contents, PAGE, RULES, WORLD, file_names, is_of_a_run};
-use super::error::RunFolderError;
+use super::error::{self, RunError};
 use super::resume_hint::{CHECKPOINT, has_checkpoint, resume_hint};
 use crate::agent::Knowledge;
-use crate::disk::{self, FolderLock, LOCK, LockError};
+use crate::disk::{self, FolderLock, LOCK};
+use crate::error::ErrorKind;
 use crate::record::RecordingKind;
 use crate::trial::{CheckpointError, Config, Plan, seal, unseal};
 use crate::world::Maze;
@@ -31,21 +32,29 @@ impl RunFolder {
     ///
     /// # Errors
     /// If the folder is not empty, is in use, or cannot be created.
-    pub fn create(path: &Path, force: bool) -> Result<Self, RunFolderError> {
+    pub fn create(path: &Path, force: bool) -> Result<Self, RunError> {
         // Checked without a lock, so that no lock file is left in a foreign folder. An existing
         // lock may belong to another process that is about to begin there.
         let lock = path.join(LOCK);
         let is_free = !lock.exists() || disk::is_foreign_lock(&lock);
-        let contents = || Contents::checked(path).map_err(RunFolderError::create(path));
+        let contents = || Contents::checked(path).map_err(error::create(path));
         if is_free && contents()? == Contents::Foreign {
-            return Err(RunFolderError::Foreign(path.to_owned()));
+            return Err(error::foreign(path));
         }
-        fs::create_dir_all(path).map_err(RunFolderError::create(path))?;
+        fs::create_dir_all(path).map_err(error::create(path))?;
         let folder = Self::locked(path)?;
         match contents()? {
-            Contents::Foreign => Err(RunFolderError::Foreign(path.to_owned())),
-            Contents::Interrupted if !force => Err(RunFolderError::Interrupted(path.to_owned())),
-            Contents::Run if !force => Err(RunFolderError::Exists(path.to_owned())),
+            Contents::Foreign => Err(error::foreign(path)),
+            Contents::Interrupted if !force => {
+                let typed = disk::typed(path);
+                let message = format!(
+                    "{} contains an interrupted run: resume it with `xcscr train --resume {typed}`, \
+                     or replace it with `--force`",
+                    path.display()
+                );
+                Err(ErrorKind::CannotCreate.error(message))
+            }
+            Contents::Run if !force => Err(error::exists(path)),
             Contents::Run | Contents::Interrupted => folder.clear().map(|()| folder),
             Contents::Nothing => folder.tidied(),
         }
@@ -55,21 +64,15 @@ impl RunFolder {
     ///
     /// # Errors
     /// If there is no run, or another process uses the folder.
-    pub fn resume(path: &Path) -> Result<Self, RunFolderError> {
-        match Contents::of(path).map_err(RunFolderError::io(path))? {
+    pub fn resume(path: &Path) -> Result<Self, RunError> {
+        match Contents::of(path).map_err(error::read(path))? {
             Contents::Interrupted | Contents::Run => Self::locked(path)?.tidied(),
-            _ => Err(RunFolderError::NothingToResume(path.to_owned())),
+            _ => Err(nothing_to_resume(path)),
         }
     }
 
-    fn locked(path: &Path) -> Result<Self, RunFolderError> {
-        let lock = FolderLock::acquire(path).map_err(|error| match error {
-            LockError::File(path, cause) => RunFolderError::Create { path, cause },
-            LockError::Held(pid) => RunFolderError::InUse {
-                folder: path.to_owned(),
-                pid,
-            },
-        })?;
+    fn locked(path: &Path) -> Result<Self, RunError> {
+        let lock = FolderLock::acquire(path, error::create(&path.join(LOCK)))?;
         Ok(Self {
             path: path.to_owned(),
             _lock: Some(lock),
@@ -77,16 +80,16 @@ impl RunFolder {
     }
 
     /// Removes the temporary files that a killed process left.
-    fn tidied(self) -> Result<Self, RunFolderError> {
+    fn tidied(self) -> Result<Self, RunError> {
         let tidied = disk::remove_leftovers(&self.path, is_of_a_run);
-        tidied.map_err(RunFolderError::io(&self.path))?;
+        tidied.map_err(error::read(&self.path))?;
         Ok(self)
     }
 
     /// Returns the names of the files in the folder in order, without names that are not valid
     /// text.
-    pub(super) fn names(&self) -> Result<Vec<String>, RunFolderError> {
-        let names = file_names(&self.path).map_err(RunFolderError::io(&self.path))?;
+    pub(super) fn names(&self) -> Result<Vec<String>, RunError> {
+        let names = file_names(&self.path).map_err(error::read(&self.path))?;
         let names = names.into_iter();
         let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).collect();
         names.sort_unstable();
@@ -94,16 +97,16 @@ impl RunFolder {
     }
 
     /// Removes the files of the run; those that identify the folder as a run come last.
-    fn clear(&self) -> Result<(), RunFolderError> {
+    fn clear(&self) -> Result<(), RunError> {
         let mut names = self.names()?;
         names.retain(|name| is_of_a_run(name) && name != CONFIG && name != CHECKPOINT);
         names.extend([CHECKPOINT.to_owned(), CONFIG.to_owned()]);
         names.iter().try_for_each(|name| self.remove(name))
     }
 
-    fn remove(&self, name: &str) -> Result<(), RunFolderError> {
+    fn remove(&self, name: &str) -> Result<(), RunError> {
         let path = self.path.join(name);
-        disk::remove(&path).map_err(RunFolderError::write(&path))
+        disk::remove(&path).map_err(error::write(&path))
     }
 
     /// Opens the folder of an existing run for reading.
@@ -128,7 +131,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn save_plan(&self, plan: &Plan) -> Result<(), RunFolderError> {
+    pub fn save_plan(&self, plan: &Plan) -> Result<(), RunError> {
         let mut texts = Self::texts_of(plan).into_iter();
         texts.try_for_each(|(name, text)| self.write(name, text.as_bytes()))
     }
@@ -137,7 +140,7 @@ impl RunFolder {
     pub(super) fn texts_of(plan: &Plan) -> [(&'static str, String); 2] {
         [
             (WORLD, plan.maze.to_json()),
-            (CONFIG, to_json(&plan.config)),
+            (CONFIG, disk::json(&plan.config)),
         ]
     }
 
@@ -145,7 +148,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// If a file is missing, damaged or unreadable.
-    pub fn plan(&self) -> Result<Plan, RunFolderError> {
+    pub fn plan(&self) -> Result<Plan, RunError> {
         let maze = Maze::load(&self.existing(WORLD)?)?;
         let config: Config = self.read(CONFIG)?;
         let plan = Plan { maze, config };
@@ -157,15 +160,15 @@ impl RunFolder {
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn save_knowledge(&self, knowledge: &Knowledge) -> Result<(), RunFolderError> {
-        self.write(RULES, to_json(knowledge).as_bytes())
+    pub fn save_knowledge(&self, knowledge: &Knowledge) -> Result<(), RunError> {
+        self.write(RULES, disk::json(knowledge).as_bytes())
     }
 
     /// Returns the learned knowledge.
     ///
     /// # Errors
     /// If the file is missing, damaged or unreadable.
-    pub fn knowledge(&self) -> Result<Knowledge, RunFolderError> {
+    pub fn knowledge(&self) -> Result<Knowledge, RunError> {
         self.read(RULES)
     }
 
@@ -173,7 +176,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn save_highlights(&self, highlights: &[u8]) -> Result<(PathBuf, u64), RunFolderError> {
+    pub fn save_highlights(&self, highlights: &[u8]) -> Result<(PathBuf, u64), RunError> {
         let name = RecordingKind::Highlights.file_name();
         self.write(&name, highlights)?;
         Ok((self.path.join(name), highlights.len() as u64))
@@ -183,7 +186,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn save_page(&self, page: &str) -> Result<(), RunFolderError> {
+    pub fn save_page(&self, page: &str) -> Result<(), RunError> {
         self.write(PAGE, page.as_bytes())
     }
 
@@ -202,7 +205,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// An error of the file system; the earlier checkpoint is kept.
-    pub fn save_checkpoint(&self, state: &impl Serialize) -> Result<(), RunFolderError> {
+    pub fn save_checkpoint(&self, state: &impl Serialize) -> Result<(), RunError> {
         self.write(CHECKPOINT, &seal(state))
     }
 
@@ -215,66 +218,74 @@ impl RunFolder {
     ///
     /// # Errors
     /// If the checkpoint cannot be read, is damaged, or is of another version.
-    pub fn checkpoint<T: DeserializeOwned>(&self) -> Result<Option<T>, RunFolderError> {
+    pub fn checkpoint<T: DeserializeOwned>(&self) -> Result<Option<T>, RunError> {
         let path = self.path.join(CHECKPOINT);
         if !path.is_file() && self.path.join(RULES).is_file() {
             return Ok(None);
         }
         let bytes = disk::read(&path, disk::MOST_BYTES).map_err(|cause| match cause.kind() {
-            io::ErrorKind::NotFound => RunFolderError::NothingToResume(self.path.clone()),
-            _ => RunFolderError::io(&path)(cause),
+            io::ErrorKind::NotFound => nothing_to_resume(&self.path),
+            _ => error::read(&path)(cause),
         })?;
         let state = unseal(&bytes).map_err(|fault| self.bad_checkpoint(fault))?;
         Ok(Some(state))
     }
 
     /// Returns the error that the checkpoint cannot be used, with this fault.
-    pub fn bad_checkpoint(&self, fault: CheckpointError) -> RunFolderError {
+    pub fn bad_checkpoint(&self, fault: CheckpointError) -> RunError {
         let path = self.path.join(CHECKPOINT);
-        RunFolderError::Checkpoint { path, fault }
+        let message = format!("cannot resume from {}: {fault}", path.display());
+        ErrorKind::BadData.error(message)
     }
 
     /// Removes the checkpoint, which marks the run as finished.
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn remove_checkpoint(&self) -> Result<(), RunFolderError> {
+    pub fn remove_checkpoint(&self) -> Result<(), RunError> {
         self.remove(CHECKPOINT)
     }
 
-    fn existing(&self, name: &str) -> Result<PathBuf, RunFolderError> {
+    fn existing(&self, name: &str) -> Result<PathBuf, RunError> {
         let path = self.path.join(name);
         match path.exists() {
             true => Ok(path),
-            false => Err(RunFolderError::Missing(path)),
+            false => {
+                let (path, folder) = (path.display(), self.path.display());
+                let message =
+                    format!("{path} is missing: is {folder} the folder of a finished run?");
+                Err(ErrorKind::Missing.error(message))
+            }
         }
     }
 
-    fn read<T: DeserializeOwned>(&self, name: &str) -> Result<T, RunFolderError> {
+    fn read<T: DeserializeOwned>(&self, name: &str) -> Result<T, RunError> {
         let path = self.existing(name)?;
         let text = disk::read(&path, disk::MOST_BYTES);
         let text = text.map_err(|cause| match cause.kind() {
             io::ErrorKind::FileTooLarge => self.damaged(name, &cause),
-            _ => RunFolderError::io(&path)(cause),
+            _ => error::read(&path)(cause),
         })?;
         serde_json::from_slice(&text).map_err(|fault| self.damaged(name, &fault))
     }
 
-    fn damaged(&self, name: &str, fault: &dyn std::fmt::Display) -> RunFolderError {
-        RunFolderError::Damaged {
-            path: self.path.join(name),
-            fault: fault.to_string(),
-        }
+    fn damaged(&self, name: &str, fault: &dyn std::fmt::Display) -> RunError {
+        let message = format!("{} is damaged: {fault}", self.path.join(name).display());
+        ErrorKind::BadData.error(message)
     }
 
-    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), RunFolderError> {
+    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), RunError> {
         let path = self.path.join(name);
-        disk::replace(&path, bytes).map_err(RunFolderError::write(&path))
+        disk::replace(&path, bytes).map_err(error::write(&path))
     }
 }
 
-fn to_json(value: &impl Serialize) -> String {
-    let mut text = serde_json::to_string_pretty(value).expect("plain data becomes JSON");
-    text.push('\n');
-    text
+fn nothing_to_resume(folder: &Path) -> RunError {
+    let typed = disk::typed(folder);
+    let message = format!(
+        "{} contains no interrupted run: begin one with `xcscr train WORLD --out {typed}`; `--force` \
+         replaces an existing run",
+        folder.display()
+    );
+    ErrorKind::Missing.error(message)
 }

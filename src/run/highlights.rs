@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::error::RunError;
+use super::error::{self, RunError};
 use super::evaluation::record_drives;
 use super::facts::run_info;
 use super::folder::RunFolder;
@@ -10,6 +10,7 @@ use super::rerun::Rerun;
 use super::source::{Source, mode_for_highlights, recorded_mode};
 use super::verify::Again;
 use crate::agent::Knowledge;
+use crate::error::ErrorKind;
 use crate::record::reader::Recording;
 use crate::record::{
     HighlightsBuilder, RecordMode, RecordingKind, Segment, ShownRun, Topic, segments,
@@ -52,9 +53,14 @@ impl Source {
 /// Rejects very large worlds, because highlights draw every cell.
 fn require_few_cells(plan: &Plan) -> Result<(), RunError> {
     match plan.maze.is_vast() {
-        true => Err(RunError::NoHighlights {
-            world: plan.maze.name().to_owned(),
-        }),
+        true => {
+            let message = format!(
+                "{} has too many cells for a highlights recording, which draws each of them; watch single \
+                 episodes instead",
+                plan.maze.name()
+            );
+            Err(ErrorKind::BadData.error(message))
+        }
         false => Ok(()),
     }
 }
@@ -99,7 +105,7 @@ impl Material {
     pub fn in_folder(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<Self, RunError> {
         let plan = plan.clone().settled();
         let run = Recording::open(&folder.join(RecordingKind::Run.file_name()))?;
-        let temporary = tempfile::tempdir().map_err(RunError::Temporary)?;
+        let temporary = tempfile::tempdir().map_err(error::temporary)?;
         // The drive always includes beams: they take little space, and show the sensor readings.
         let mode = (RecordMode::Beams, &(|| false) as &dyn Fn() -> bool);
         record_drives(&plan, knowledge, 1, temporary.path(), mode)?;

@@ -35,7 +35,7 @@ mod untouched;
 mod verify;
 mod resume_hint;
 
-pub use error::{RunError, RunFolderError};
+pub use error::RunError;
 pub use evaluation::{clear_evaluation, record_evaluation};
 pub use external::{ExternalEpisode, ExternalRecorder};
 pub use folder::RunFolder;

@@ -1,6 +1,6 @@
 //! Recordings for ROS 2, made by repeating the recorded run.
 
-use super::error::RunError;
+use super::error::{self, RunError};
 use super::folder::RunFolder;
 use super::rerun::Rerun;
 use super::source::Source;
@@ -30,12 +30,9 @@ impl Source {
             RecordingKind::Episode(episode) => Some(episode),
             RecordingKind::Run => None,
             RecordingKind::Highlights | RecordingKind::Comparison => {
-                return Err(RunError::Recording {
-                    file: self.file.clone(),
-                    fault: "a highlights recording shows parts of many episodes and cannot be written for ROS 2; give an episode, \
-                            run.mcap, or the folder of a run"
-                        .to_owned(),
-                });
+                let fault = "a highlights recording shows parts of many episodes and cannot be written for \
+                             ROS 2; give an episode, run.mcap, or the folder of a run";
+                return Err(error::recording(&self.file, fault));
             }
         };
         bag(&self.run, only)

@@ -6,12 +6,14 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::error::RunError;
+use super::error::{self, RunError};
 use super::facts::run_info;
 use super::folder::RunFolder;
 use super::highlights::Material;
+use super::resume_hint::resume_hint;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
+use crate::error::ErrorKind;
 use crate::record::player;
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordSummary, Recorder, RecorderMemory, Tap};
@@ -128,7 +130,7 @@ impl Session {
     /// end `stop` returns true.
     ///
     /// # Errors
-    /// [`RunError::Interrupted`] if the run was stopped; otherwise if a file cannot be written.
+    /// [`ErrorKind::Interrupted`] if the run was stopped; otherwise if a file cannot be written.
     pub fn run(
         self,
         observer: &mut dyn Observer,
@@ -136,7 +138,7 @@ impl Session {
     ) -> Result<Finished, RunError> {
         let folder = self.folder.path().to_owned();
         let finished = self.run_to_end(observer, stop);
-        finished.map_err(|error| error.resumable_in(&folder))
+        finished.map_err(|error| error::resumable_in(error, &folder))
     }
 
     fn run_to_end(
@@ -200,11 +202,13 @@ impl Session {
     }
 
     fn interrupted(&self) -> RunError {
-        RunError::Interrupted {
-            folder: self.folder.path().to_owned(),
-            done: self.trial.progress().episodes,
-            all: self.trial.plan().config.episodes,
-        }
+        let (done, all) = (
+            self.trial.progress().episodes,
+            self.trial.plan().config.episodes,
+        );
+        let hint = resume_hint(self.folder.path());
+        let message = format!("interrupted after episode {done} of {all}; {hint}");
+        ErrorKind::Interrupted.error(message)
     }
 }
 

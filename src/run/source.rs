@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-use super::error::RunError;
+use super::error::{self, RunError};
 use super::external::{EXTERNAL_EPISODES, METHOD};
 use super::rerun::Rerun;
 use crate::agent::Knowledge;
 use crate::episode::{Episode, Learned, Observer};
+use crate::error::ErrorKind;
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordModeError, RecordingKind, RunKind};
 use crate::trial::Plan;
@@ -43,7 +44,11 @@ impl Source {
         let entry = |key: &str| metadata.and_then(|m| m.get(key)).map_or("", String::as_str);
         let extent = RecordingKind::of_entry(entry("episode"));
         if extent == RecordingKind::Comparison {
-            return Err(RunError::TwoRuns(file.to_owned()));
+            let message = format!(
+                "{} is a comparison of two runs; give the folder of one of them, or a recording of it",
+                file.display()
+            );
+            return Err(ErrorKind::BadData.error(message));
         }
         let run = Rerun {
             plan: attached_plan(&recording, "")?,
@@ -83,11 +88,10 @@ impl Source {
         self.require_method()?;
         match self.run.evaluated {
             None => Ok(()),
-            Some(_) => Err(RunError::Recording {
-                file: self.file.clone(),
-                fault: "it shows an evaluation, in which nothing is learned; give the folder of the run whose policy it drives"
-                    .to_owned(),
-            }),
+            Some(_) => Err(error::recording(
+                &self.file,
+                "it shows an evaluation, in which nothing is learned; give the folder of the run whose policy it drives",
+            )),
         }
     }
 
@@ -98,10 +102,10 @@ impl Source {
     pub(super) fn require_method(&self) -> Result<(), RunError> {
         match self.run.external {
             None => Ok(()),
-            Some(_) => Err(RunError::Recording {
-                file: self.file.clone(),
-                fault: "an external agent chose its actions, and its policy is not recorded; give a run of `xcscr train`".to_owned(),
-            }),
+            Some(_) => Err(error::recording(
+                &self.file,
+                "an external agent chose its actions, and its policy is not recorded; give a run of `xcscr train`",
+            )),
         }
     }
 
@@ -134,10 +138,7 @@ impl Observer for Last {
 pub(super) fn recorded_mode(recording: &Recording, name: &str) -> Result<RecordMode, RunError> {
     let entry = recording.metadata(name).and_then(|m| m.get("record"));
     let mode = entry.map_or("", String::as_str).parse();
-    mode.map_err(|fault: RecordModeError| RunError::Recording {
-        file: recording.path().to_owned(),
-        fault: fault.to_string(),
-    })
+    mode.map_err(|fault: RecordModeError| error::recording(recording.path(), fault))
 }
 
 /// Returns the mode to record all episodes for highlights: with beams if the run recorded them.
@@ -151,10 +152,7 @@ pub(super) fn mode_for_highlights(mode: RecordMode) -> RecordMode {
 /// Returns the plan whose world and settings are attached to a recording. `below` is a prefix of
 /// the names that is empty or ends with `/`.
 pub(super) fn attached_plan(recording: &Recording, below: &str) -> Result<Plan, RunError> {
-    let damaged = |fault: String| RunError::Recording {
-        file: recording.path().to_owned(),
-        fault,
-    };
+    let damaged = |fault: String| error::recording(recording.path(), fault);
     let attached = |name: &str| {
         let name = format!("{below}{name}");
         let missing = || damaged(format!("the attachment {name} is missing"));
@@ -180,10 +178,7 @@ fn attached_to_run<T: DeserializeOwned>(
             run.and_then(|run| run.attachment(name).map(<[u8]>::to_owned))
         }
     };
-    let damaged = |fault: String| RunError::Recording {
-        file: file.to_owned(),
-        fault,
-    };
+    let damaged = |fault: String| error::recording(file, fault);
     let text = attached.ok_or_else(|| {
         let beside = beside.display();
         damaged(format!(

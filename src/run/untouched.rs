@@ -3,10 +3,11 @@
 use std::io;
 
 use super::contents::{RULES, is_of_a_run};
-use super::error::RunFolderError;
+use super::error::{self, RunError};
 use super::folder::RunFolder;
 use crate::agent::Knowledge;
 use crate::disk;
+use crate::error::ErrorKind;
 use crate::record;
 use crate::trial::Plan;
 
@@ -15,24 +16,34 @@ impl RunFolder {
     /// file that no run wrote.
     ///
     /// # Errors
-    /// [`RunFolderError::Changed`] if the settings or the world differ from the checkpoint.
-    /// [`RunFolderError::InTheWay`] for a foreign file. An error of the file system.
-    pub(super) fn check_untouched(&self, plan: &Plan) -> Result<(), RunFolderError> {
+    /// If the settings or the world differ from the checkpoint, or a foreign file would be replaced.
+    pub(super) fn check_untouched(&self, plan: &Plan) -> Result<(), RunError> {
         for (name, text) in Self::texts_of(plan) {
             let found = self.bytes_of(name)?;
             if found.is_some_and(|found| found != text.as_bytes()) {
-                return Err(RunFolderError::Changed(self.path().join(name)));
+                let message = format!(
+                    "{} was changed since the run began, and a resumed run keeps its settings and world: \
+                     remove the file to resume as the run began, or begin a new run",
+                    self.path().join(name).display()
+                );
+                return Err(ErrorKind::BadData.error(message));
             }
         }
         match self.foreign_file()? {
-            Some(name) => Err(RunFolderError::InTheWay(self.path().join(name))),
+            Some(name) => {
+                let message = format!(
+                    "{} is not a file of this run, and resuming would replace it: move it away first",
+                    self.path().join(name).display()
+                );
+                Err(ErrorKind::CannotCreate.error(message))
+            }
             None => Ok(()),
         }
     }
 
     /// Returns the first file that has the name of a result of this run but was not written by a
     /// run.
-    fn foreign_file(&self) -> Result<Option<String>, RunFolderError> {
+    fn foreign_file(&self) -> Result<Option<String>, RunError> {
         let rules = self.bytes_of(RULES)?;
         if rules.is_some_and(|text| serde_json::from_slice::<Knowledge>(&text).is_err()) {
             return Ok(Some(RULES.to_owned()));
@@ -40,8 +51,7 @@ impl RunFolder {
         for name in self.names()? {
             let path = self.path().join(&name);
             let is_written = is_of_a_run(&name) && name.ends_with(".mcap");
-            let is_ours =
-                !is_written || record::is_ours(&path).map_err(RunFolderError::io(&path))?;
+            let is_ours = !is_written || record::is_ours(&path).map_err(error::read(&path))?;
             if !is_ours {
                 return Ok(Some(name));
             }
@@ -49,12 +59,12 @@ impl RunFolder {
         Ok(None)
     }
 
-    fn bytes_of(&self, name: &str) -> Result<Option<Vec<u8>>, RunFolderError> {
+    fn bytes_of(&self, name: &str) -> Result<Option<Vec<u8>>, RunError> {
         let path = self.path().join(name);
         match disk::read(&path, disk::MOST_BYTES) {
             Ok(bytes) => Ok(Some(bytes)),
             Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(cause) => Err(RunFolderError::io(&path)(cause)),
+            Err(cause) => Err(error::read(&path)(cause)),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::io;
 
 use tempfile::TempDir;
 
-use super::error::RunError;
+use super::error::{self, RunError};
 use super::highlights::Material;
 use super::rerun::Rerun;
 use super::source::Source;
@@ -37,7 +37,7 @@ impl Again {
         mode: RecordMode,
         observer: &mut dyn Observer,
     ) -> Result<Self, RunError> {
-        let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
+        let folder = tempfile::tempdir().map_err(error::temporary)?;
         Ok(Self {
             knowledge: run.record(folder.path(), mode, observer)?,
             run,
@@ -69,7 +69,7 @@ impl Again {
                     let fault = format!("a new run of {episodes} episodes produces no {name}");
                     return Ok(Some(fault));
                 }
-                bytes => bytes.map_err(RunError::Temporary)?,
+                bytes => bytes.map_err(error::temporary)?,
             },
         };
         Ok(record::compare(&source.bytes, &bytes)?)

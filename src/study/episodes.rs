@@ -9,18 +9,19 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use rayon::ThreadPool;
 use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
 use super::analysis::learning::CurveSums;
-use super::error::StudyError;
 use super::own::{Agents, Study};
 use super::protocol::Protocol;
+use super::runner::threads;
 use super::store::StudyFolder;
 use super::store::outputs::{EPISODES, LEARNING_CURVES};
 use super::store::record::trial;
 use crate::episode::{Ending, Episode};
+use crate::error::Error;
 use crate::trial::Trial;
 
 /// Trials per thread in one batch. Their rows stay in memory until they are written in order.
@@ -91,9 +92,8 @@ impl Study {
         folder: &StudyFolder,
         jobs: usize,
         stop: &dyn Fn() -> bool,
-    ) -> Result<(), StudyError> {
-        let pool = ThreadPoolBuilder::new().num_threads(jobs).build();
-        let pool = pool.map_err(|cause| StudyError::jobs(jobs, cause))?;
+    ) -> Result<(), Error> {
+        let pool = threads(jobs)?;
         let arms = &folder.protocol().arms;
         self.agents.require_for(folder.protocol())?;
         let mut sums: Vec<CurveSums> = Vec::new();

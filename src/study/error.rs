@@ -1,118 +1,62 @@
 //! Errors when loading, running or reading a study.
 
+use std::fmt::Display;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::disk;
-use crate::trial::{PlanError, SettingsError};
-use crate::world::WorldError;
+use crate::error::{Error, ErrorKind};
 
-/// An error of a study.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum StudyError {
-    /// Invalid setting.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// Invalid world.
-    #[error(transparent)]
-    World(#[from] WorldError),
-    /// Invalid number in the study.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    /// A study or its folder does not exist.
-    #[error("{0}")]
-    Missing(String),
-    /// An argument is missing, or does not fit the study.
-    #[error("{0}")]
-    Usage(String),
-    /// A study file, a plan or a journal is invalid, or two of them contradict each other.
-    #[error("{0}")]
-    Invalid(String),
-    /// Trials are missing.
-    #[error("{missing} of {total} trials are missing; `xcscr study status` lists them")]
-    Incomplete {
-        /// The number of missing trials.
-        missing: usize,
-        /// The number of trials.
-        total: usize,
-    },
-    /// The folder or a file in it has other contents, which are not replaced.
-    #[error("{0}")]
-    Refused(String),
-    /// Another process uses the folder.
-    #[error("{0}")]
-    Locked(String),
-    /// A folder or file cannot be created.
-    #[error("cannot create {}: {cause}{}", .path.display(), disk::way_out_or(.cause, "; choose another folder with `--out`, or free this one"))]
-    Create {
-        /// The folder or file.
-        path: PathBuf,
-        /// The cause.
-        cause: io::Error,
-    },
-    /// A file cannot be read or written.
-    #[error("{}: {cause}{}", .path.display(), hint(.cause))]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// The cause.
-        cause: io::Error,
-    },
-    /// Threads cannot be started, or a command of the cluster engine failed.
-    #[error("{0}")]
-    System(String),
-    /// A figure cannot be drawn.
-    #[error("cannot draw {name}: {fault}")]
-    Figure {
-        /// The figure.
-        name: &'static str,
-        /// The cause.
-        fault: String,
-    },
+/// Returns the error for a fault in the study file `origin`.
+pub(super) fn file(origin: &str, fault: impl Display) -> Error {
+    ErrorKind::BadData.error(format!("{origin}: {fault}"))
 }
 
-/// Returns a hint for a file that cannot be written.
-fn hint(cause: &io::Error) -> String {
-    let again = match disk::is_full(cause) {
-        true => ", then run the same command again: finished trials are kept",
-        false => "",
-    };
-    format!("{}{again}", disk::way_out(cause))
+/// Returns the conversion of a fault in a plan or journal.
+pub(super) fn damaged<E: Display>(path: &Path) -> impl Fn(E) -> Error {
+    move |fault| {
+        let message = format!("{} is damaged: {fault}", path.display());
+        ErrorKind::BadData.error(message)
+    }
 }
 
-impl StudyError {
-    /// Returns the error for a fault in the study file `origin`.
-    pub(super) fn file(origin: &str, fault: impl std::fmt::Display) -> Self {
-        Self::Invalid(format!("{origin}: {fault}"))
-    }
+/// Returns the error for a generated file that was changed by hand.
+pub(super) fn altered(path: &Path) -> Error {
+    let message = format!(
+        "{} was changed after xcscr wrote it: move it away, then run the same command again",
+        path.display()
+    );
+    ErrorKind::CannotCreate.error(message)
+}
 
-    pub(super) fn damaged(path: &Path, fault: impl std::fmt::Display) -> Self {
-        Self::Invalid(format!("{} is damaged: {fault}", path.display()))
-    }
-
-    /// Returns the error for a generated file that was changed by hand.
-    pub(super) fn altered(path: &Path) -> Self {
-        Self::Refused(format!(
-            "{} was changed after xcscr wrote it: move it away, then run the same command again",
-            path.display()
-        ))
-    }
-
-    /// Returns the error for `jobs` threads that cannot be started.
-    pub(super) fn jobs(jobs: usize, fault: impl std::fmt::Display) -> Self {
-        Self::System(format!(
+/// Returns the conversion of an error when starting `jobs` threads.
+pub(super) fn jobs<E: Display>(jobs: usize) -> impl Fn(E) -> Error {
+    move |fault| {
+        let message = format!(
             "cannot start {jobs} jobs: {fault}; allow more memory and processes, or fewer `--jobs`"
-        ))
+        );
+        ErrorKind::Io.error(message)
     }
+}
 
-    pub(super) fn io(path: &Path, cause: io::Error) -> Self {
-        let path = path.to_owned();
-        Self::Io { path, cause }
+/// Returns the conversion of an error when reading or writing a file.
+pub(super) fn io(path: &Path) -> impl Fn(io::Error) -> Error {
+    move |cause| {
+        let again = match disk::is_full(&cause) {
+            true => ", then run the same command again: finished trials are kept",
+            false => "",
+        };
+        let (path, hint) = (path.display(), disk::way_out(&cause));
+        ErrorKind::Io.error(format!("{path}: {cause}{hint}{again}"))
     }
+}
 
-    pub(super) fn create(path: &Path, cause: io::Error) -> Self {
-        let path = path.to_owned();
-        Self::Create { path, cause }
+/// Returns the conversion of an error when creating a folder or file.
+pub(super) fn create(path: &Path) -> impl Fn(io::Error) -> Error {
+    move |cause| {
+        let place = "; choose another folder with `--out`, or free this one";
+        let hint = disk::way_out_or(&cause, place);
+        let message = format!("cannot create {}: {cause}{hint}", path.display());
+        ErrorKind::CannotCreate.error(message)
     }
 }

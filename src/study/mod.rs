@@ -1,4 +1,15 @@
 //! Studies: trials, their statistics and their reports.
+//!
+//! | module | contents |
+//! |---|---|
+//! | `protocol` | study files, and the protocol that they are frozen into |
+//! | `store` | the folder of a study: the plan, and journals of finished trials |
+//! | `runner`, `cluster`, `tuning` | running trials: on threads, in tasks on many machines, in a search for settings |
+//! | `own` | custom agents in studies |
+//! | `statistics` | tests, intervals and survival curves, independent of mazes and learners |
+//! | `analysis`, `episodes` | summaries of arms, learning curves, and tables for other programs |
+//! | `report` | the report in words, tables and figures |
+//! | `robustness` | a policy under conditions that it was not trained for |
 
 mod analysis;
 mod cluster;
@@ -14,7 +25,6 @@ mod store;
 mod tuning;
 
 pub use cluster::{Queued, Slurm, TaskProgress, TaskState};
-pub use error::StudyError;
 pub use own::Study;
 pub use protocol::{Arm, Overrides, Protocol, StudyFile, StudyKey, Variant};
 pub use report::Report;

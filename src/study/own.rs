@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
-use super::error::StudyError;
+use super::error;
 use super::protocol::Protocol;
 use super::runner::{StudyWatcher, run_trials};
 use super::store::plan::ALL_TASKS;
 use super::store::{Shard, StudyFolder};
 use crate::agent::Agent;
+use crate::error::Error;
 use crate::trial::Plan;
 
 /// Builds the agent of a trial from the trial's plan.
@@ -32,12 +33,12 @@ impl Agents {
     /// Checks that this program has all agents of a study.
     ///
     /// # Errors
-    /// [`StudyError::Invalid`] when an agent is missing.
-    pub fn require_for(&self, protocol: &Protocol) -> Result<(), StudyError> {
+    /// When an agent is missing.
+    pub fn require_for(&self, protocol: &Protocol) -> Result<(), Error> {
         let mut named = protocol.arms.iter().filter_map(|arm| arm.agent.as_ref());
         let lacking = named.find(|name| !self.0.contains_key(*name));
         lacking.map_or(Ok(()), |name| {
-            Err(StudyError::file(&protocol.name, missing(name)))
+            Err(error::file(&protocol.name, missing(name)))
         })
     }
 }
@@ -74,13 +75,13 @@ impl Study {
     /// write these, but only a program that has the agent can run its trials.
     ///
     /// # Errors
-    /// [`StudyError::Invalid`] when the name is taken, or has other characters than lower-case
+    /// When the name is taken, or has other characters than lower-case
     /// letters, digits and hyphens.
     pub fn with_agent(
         mut self,
         name: &str,
         build: impl Fn(&Plan) -> Box<dyn Agent> + Send + Sync + 'static,
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Self, Error> {
         self.protocol.add_agent(name)?;
         self.agents.0.insert(name.to_owned(), Box::new(build));
         Ok(self)
@@ -102,7 +103,7 @@ impl Study {
         shard: Shard,
         jobs: usize,
         watcher: &mut dyn StudyWatcher,
-    ) -> Result<StudyFolder, StudyError> {
+    ) -> Result<StudyFolder, Error> {
         let mut folder = StudyFolder::open(out, &self.protocol)?;
         let mut trials = folder.missing();
         trials.retain(|trial| shard.holds(*trial));

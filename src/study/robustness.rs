@@ -189,10 +189,7 @@ impl ConditionResult {
     ) -> Result<Self, PlanError> {
         let mut mislocalised = Mislocalised::default();
         let evaluation = Evaluation::observed(plan, knowledge, episodes, &mut mislocalised)?;
-        let proportion = Proportion {
-            successes: evaluation.successes.into(),
-            trials: episodes.into(),
-        };
+        let proportion = Proportion::new(evaluation.successes.into(), episodes.into());
         Ok(Self {
             condition,
             episodes,

@@ -5,13 +5,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread;
 
-use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use super::error::StudyError;
+use super::error;
 use super::own::Agents;
 use super::protocol::Protocol;
 use super::store::{Journal, Records, StudyFolder, TrialRecord};
+use crate::error::Error;
 
 /// Receives the progress of a study.
 pub trait StudyWatcher {
@@ -41,13 +42,12 @@ pub(super) fn run_trials(
     (task, trials): (usize, &[usize]),
     jobs: usize,
     watcher: &mut dyn StudyWatcher,
-) -> Result<(), StudyError> {
+) -> Result<(), Error> {
     watcher.begins(trials.len());
     if trials.is_empty() {
         return Ok(());
     }
-    let pool = ThreadPoolBuilder::new().num_threads(jobs).build();
-    let pool = pool.map_err(|cause| StudyError::jobs(jobs, cause))?;
+    let pool = threads(jobs)?;
     let StudyFolder {
         planned, records, ..
     } = folder;
@@ -58,11 +58,17 @@ pub(super) fn run_trials(
     thread::scope(|scope| {
         let run = || pool.install(|| run_each(study, trials, sender, &stop));
         let spawned = thread::Builder::new().spawn_scoped(scope, run);
-        spawned.map_err(|cause| StudyError::jobs(jobs, cause))?;
+        spawned.map_err(error::jobs(jobs))?;
         let stored = store_all(receiver, (&mut journal, records), watcher, &stop);
         stop.store(true, Ordering::Relaxed);
         stored
     })
+}
+
+/// Starts `jobs` threads (all cores when 0).
+pub(super) fn threads(jobs: usize) -> Result<ThreadPool, Error> {
+    let pool = ThreadPoolBuilder::new().num_threads(jobs).build();
+    pool.map_err(error::jobs(jobs))
 }
 
 /// Runs trials on the threads of the current pool until `stop` is set.
@@ -90,7 +96,7 @@ fn store_all(
     (journal, finished): (&mut Journal, &mut Records),
     watcher: &mut dyn StudyWatcher,
     stop: &AtomicBool,
-) -> Result<(), StudyError> {
+) -> Result<(), Error> {
     while let Ok(first) = receiver.recv() {
         let arrived = std::iter::once(first).chain(receiver.try_iter());
         let (records, waiting): (Vec<TrialRecord>, Vec<_>) = arrived.unzip();

@@ -10,10 +10,11 @@ use crate::kit::folder;
 use tempfile::TempDir;
 use xcscr::streams::StreamName;
 use xcscr::study::{
-    Overrides, PlannedStudy, Protocol, Shard, Study, StudyError, StudyFile, StudyFolder,
-    StudyWatcher, TrialRecord,
+    Overrides, PlannedStudy, Protocol, Shard, Study, StudyFile, StudyFolder, StudyWatcher,
+    TrialRecord,
 };
 use xcscr::xcs::random::Stream;
+use xcscr::{Error, ErrorKind};
 
 const TRIALS: usize = 12;
 const TASKS: usize = 3;
@@ -68,7 +69,7 @@ impl Cluster {
     }
 }
 
-fn merge(path: &Path) -> Result<StudyFolder, StudyError> {
+fn merge(path: &Path) -> Result<StudyFolder, Error> {
     StudyFolder::merge(&[path.to_owned()], &path.join("result"))
 }
 
@@ -110,7 +111,7 @@ fn whatever_the_machines_see_of_each_other_the_merge_is_that_of_one_process_or_n
 
             let (_, path) = cluster.view(|length| Some(chance.below(2 * length).min(length)));
             match merge(&path) {
-                Err(StudyError::Incomplete { .. }) => refused += 1,
+                Err(error) if error.kind() == ErrorKind::Refuted => refused += 1,
                 Ok(_) => break,
                 Err(other) => panic!("round {round}: {other}"),
             }

@@ -3,9 +3,11 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use xcscr::ErrorKind;
 use xcscr::record::{self, Finding};
 
-use crate::commands::failure::{Exit, Failure};
+use crate::commands::failure::Failure;
+use crate::commands::output::print_json;
 use crate::commands::source;
 use crate::commands::terminal::write_words;
 
@@ -31,13 +33,11 @@ struct Checked {
 /// Checks every file and reports the findings.
 pub fn run(args: &CheckArgs, out: &mut impl Write) -> Result<(), Failure> {
     let mut checked = Vec::new();
-    for path in &args.files {
-        for file in source::recordings(path)? {
-            checked.push(check(&file)?);
-        }
+    for file in source::all_recordings(&args.files)? {
+        checked.push(check(&file)?);
     }
     if args.json {
-        writeln!(out, "{}", serde_json::to_string_pretty(&checked)?)?;
+        print_json(&checked, out)?;
     } else {
         print(&checked, out)?;
     }
@@ -45,7 +45,7 @@ pub fn run(args: &CheckArgs, out: &mut impl Write) -> Result<(), Failure> {
         0 => Ok(()),
         bad => {
             let message = format!("{bad} of {} recordings failed the check", checked.len());
-            Err(Failure::new(Exit::BadData, message))
+            Err(Failure::new(ErrorKind::BadData, message))
         }
     }
 }

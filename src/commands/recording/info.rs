@@ -9,18 +9,19 @@ use xcscr::record::reader::{Recording, TopicInfo};
 
 use super::summary;
 use crate::commands::failure::Failure;
-use crate::commands::source::recordings;
+use crate::commands::output::print_json;
+use crate::commands::source::{all_recordings, recordings};
 
 /// Prints a summary of each run, and the content of each recording.
 pub fn run(paths: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Failure> {
     if !json {
         return paths.iter().try_for_each(|path| show(path, out));
     }
-    let mut files = Vec::new();
-    for path in paths {
-        files.extend(recordings(path)?);
-    }
-    show_json(&files, out)
+    let files = all_recordings(paths)?.into_iter();
+    let shown: Vec<Shown> = files
+        .map(|file| Shown::of(&file))
+        .collect::<Result<_, _>>()?;
+    print_json(&shown, out)
 }
 
 /// The content of a recording.
@@ -55,11 +56,6 @@ impl Shown {
         }
         Ok(())
     }
-}
-
-fn show_json(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
-    let shown: Result<Vec<Shown>, _> = files.iter().map(|file| Shown::of(file)).collect();
-    Ok(writeln!(out, "{}", serde_json::to_string_pretty(&shown?)?)?)
 }
 
 /// Summarises a run, or lists the content of recordings.

@@ -9,11 +9,12 @@ mod verify;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use xcscr::run::{RunError, RunFolder, Source};
+use xcscr::Error;
+use xcscr::run::{RunFolder, Source};
 
 use super::failure::Failure;
 use super::output::OutputFile;
-use super::source::recordings;
+use super::source::all_recordings;
 
 /// Subcommands of `recording`.
 #[derive(Debug, clap::Subcommand)]
@@ -61,7 +62,7 @@ pub struct IntoFile {
 }
 
 impl IntoFile {
-    fn write(&self, make: fn(&Path) -> Result<Vec<u8>, RunError>) -> Result<(), Failure> {
+    fn write(&self, make: fn(&Path) -> Result<Vec<u8>, Error>) -> Result<(), Failure> {
         let file = OutputFile::free(&self.output, self.force)?;
         file.write(&make(&self.from)?)
     }
@@ -72,15 +73,8 @@ pub fn run(command: &RecordingCommand, out: &mut impl Write) -> Result<(), Failu
     match command {
         RecordingCommand::Info { recordings, json } => info::run(recordings, *json, out),
         RecordingCommand::Check(args) => check::run(args, out),
-        RecordingCommand::Verify {
-            recordings: paths,
-            json,
-        } => {
-            let mut files = Vec::new();
-            for path in paths {
-                files.extend(recordings(path)?);
-            }
-            verify::run(&files, *json, out)
+        RecordingCommand::Verify { recordings, json } => {
+            verify::run(&all_recordings(recordings)?, *json, out)
         }
         RecordingCommand::Recover(args) => recover::run(args),
         RecordingCommand::Highlights(args) => args.write(highlights),
@@ -89,7 +83,7 @@ pub fn run(command: &RecordingCommand, out: &mut impl Write) -> Result<(), Failu
 }
 
 /// Returns the highlights of a run, or of the run of a recording.
-fn highlights(from: &Path) -> Result<Vec<u8>, RunError> {
+fn highlights(from: &Path) -> Result<Vec<u8>, Error> {
     match from.is_dir() {
         true => RunFolder::open(from).highlights(),
         false => Source::of(from)?.highlights(),
@@ -97,7 +91,7 @@ fn highlights(from: &Path) -> Result<Vec<u8>, RunError> {
 }
 
 /// Converts an episode or a whole run for ROS 2.
-fn ros_bag(from: &Path) -> Result<Vec<u8>, RunError> {
+fn ros_bag(from: &Path) -> Result<Vec<u8>, Error> {
     match from.is_dir() {
         true => RunFolder::open(from).ros_bag(),
         false => Source::of(from)?.ros_bag(),

@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use xcscr::ErrorKind;
 use xcscr::record::{self, Recovery};
 
-use crate::commands::failure::{Exit, Failure};
+use crate::commands::failure::Failure;
 use crate::commands::terminal::say;
 
 /// Arguments of `recording recover`.
@@ -43,7 +44,7 @@ pub fn run(args: &RecoverArgs) -> Result<(), Failure> {
                 _ => format!("lost {lost_bytes} bytes, "),
             };
             let message = format!("{saved}; {lost}{fault}");
-            Err(Failure::new(Exit::Lossy, message))
+            Err(Failure::new(ErrorKind::Lossy, message))
         }
     }
 }

@@ -5,12 +5,14 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use xcscr::ErrorKind;
 use xcscr::disk;
 use xcscr::record::RecordingKind;
 use xcscr::record::reader::Recording;
 
-use crate::commands::failure::{Exit, Failure};
+use crate::commands::failure::Failure;
 use crate::commands::sparkline::{mean, sparkline};
+use crate::commands::terminal::write_row;
 
 /// The number of episodes at the beginning and at the end that are compared.
 const FEW: usize = 10;
@@ -51,31 +53,24 @@ pub fn print(
         episodes.len()
     )?;
     let goals = episodes.iter().filter(|one| one.outcome == "goal");
-    writeln!(out, "  reached the goal     {}", times(goals, &episodes))?;
+    write_row(out, "reached the goal", times(goals, &episodes))?;
     let optimal = episodes.iter().filter(|one| one.optimal);
-    writeln!(out, "  policy optimal       {}", times(optimal, &episodes))?;
+    write_row(out, "policy optimal", times(optimal, &episodes))?;
     let column = |of: fn(&Figures) -> Option<u32>| -> Vec<u32> {
         episodes.iter().map(|one| of(one).unwrap_or(0)).collect()
     };
     let steps = column(|one| one.steps);
-    writeln!(out, "  steps                {}", change(&steps))?;
-    writeln!(
-        out,
-        "  collisions           {}",
-        change(&column(|one| one.collisions))
-    )?;
+    write_row(out, "steps", change(&steps))?;
+    write_row(out, "collisions", change(&column(|one| one.collisions)))?;
     if let Some(last) = episodes.last() {
         let shortest = last
             .shortest
             .map_or("unknown".to_owned(), |few| format!("{few} steps"));
-        writeln!(out, "  shortest path        {shortest}")?;
-        writeln!(
-            out,
-            "  rules                {} at the end",
-            last.rules.unwrap_or(0)
-        )?;
+        write_row(out, "shortest path", shortest)?;
+        let rules = format!("{} at the end", last.rules.unwrap_or(0));
+        write_row(out, "rules", rules)?;
     }
-    writeln!(out, "  steps per episode    {}", sparkline(&steps))?;
+    write_row(out, "steps per episode", sparkline(&steps))?;
     print_files(folder, run, files, out)
 }
 
@@ -89,12 +84,14 @@ fn print_files(
     let megabytes = sizes.map(|data| data.len()).sum::<u64>() as f64 / 1e6;
     let (typed, run) = (disk::typed(folder), disk::typed(run));
     writeln!(out, "{} recordings, {megabytes:.1} MB", files.len())?;
-    writeln!(out, "  watch them           xcscr replay {typed}")?;
-    writeln!(out, "  inspect one          xcscr recording info {run}")?;
-    Ok(writeln!(
-        out,
-        "  verify               xcscr recording verify {typed}"
-    )?)
+    for (what, command) in [
+        ("watch them", format!("replay {typed}")),
+        ("inspect one", format!("recording info {run}")),
+        ("verify", format!("recording verify {typed}")),
+    ] {
+        write_row(out, what, format!("xcscr {command}"))?;
+    }
+    Ok(())
 }
 
 fn figures(recording: &Recording) -> Result<Vec<Figures>, Failure> {
@@ -105,7 +102,7 @@ fn figures(recording: &Recording) -> Result<Vec<Figures>, Failure> {
             let read = serde_json::from_slice(&message.data);
             let figures: Figures = read.map_err(|fault| {
                 let file = recording.path().display();
-                Failure::new(Exit::BadData, format!("{file}: /episode: {fault}"))
+                Failure::new(ErrorKind::BadData, format!("{file}: /episode: {fault}"))
             })?;
             episodes.extend((figures.outcome != "running").then_some(figures));
         }

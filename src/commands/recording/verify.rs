@@ -3,11 +3,13 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use xcscr::ErrorKind;
 use xcscr::record::reader::Recording;
 use xcscr::record::{Comparison, RecordingKind};
 use xcscr::run::{Again, Source};
 
-use crate::commands::failure::{Exit, Failure};
+use crate::commands::failure::Failure;
+use crate::commands::output::print_json;
 use crate::commands::progress::Progress;
 
 /// The result for one recording, as `--json` prints it.
@@ -26,7 +28,7 @@ pub fn run(files: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Fa
     for file in files {
         let difference = match difference(file, &mut again) {
             Ok(difference) => difference,
-            Err(failure) if failure.exit == Exit::BadData => Some(failure.to_string()),
+            Err(failure) if failure.kind() == ErrorKind::BadData => Some(failure.to_string()),
             Err(failure) => return Err(failure),
         };
         let same = difference.is_none();
@@ -60,7 +62,7 @@ fn difference(file: &Path, again: &mut Option<Again>) -> Result<Option<String>, 
 fn report(verified: &[Verified], json: bool, out: &mut impl Write) -> Result<(), Failure> {
     let (same, all) = (verified.iter().filter(|v| v.same).count(), verified.len());
     if json {
-        writeln!(out, "{}", serde_json::to_string_pretty(verified)?)?;
+        print_json(&verified, out)?;
     } else {
         for Verified {
             file, difference, ..
@@ -81,5 +83,5 @@ fn report(verified: &[Verified], json: bool, out: &mut impl Write) -> Result<(),
     let other = all - same;
     let differ = if other == 1 { "differs" } else { "differ" };
     let message = format!("{other} of {all} recordings {differ} from a new run");
-    Err(Failure::new(Exit::Refuted, message))
+    Err(Failure::new(ErrorKind::Refuted, message))
 }

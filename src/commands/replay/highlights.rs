@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
+use xcscr::ErrorKind;
 use xcscr::record::RecordingKind;
 use xcscr::record::reader::Recording;
 use xcscr::run::RunFolder;
 
-use crate::commands::failure::{Exit, Failure};
+use crate::commands::failure::Failure;
 use crate::commands::source::recordings;
 
 /// Files of runs, including highlights recordings in temporary folders for runs that have none.
@@ -24,6 +25,7 @@ pub fn write_missing(
     mut files: Vec<PathBuf>,
 ) -> Result<WithHighlights, Failure> {
     let mut written = Vec::new();
+    let unwritten = &Failure::system("write a temporary file");
     for path in paths
         .iter()
         .filter(|path| path.join("rules.json").is_file())
@@ -33,9 +35,9 @@ pub fn write_missing(
         if has_highlights || folder.is_interrupted() || folder.plan()?.maze.is_vast() {
             continue;
         }
-        let place = tempfile::tempdir()?;
+        let place = tempfile::tempdir().map_err(unwritten)?;
         let file = place.path().join(RecordingKind::Highlights.file_name());
-        std::fs::write(&file, folder.highlights()?)?;
+        std::fs::write(&file, folder.highlights()?).map_err(unwritten)?;
         files.push(file);
         written.push(place);
     }
@@ -56,7 +58,7 @@ pub fn recording(path: &Path) -> Result<Recording, Failure> {
     let file = found.ok_or_else(|| {
         let path = path.display();
         let message = format!("{path} has no highlights; give one of its recordings (ep-....mcap)");
-        Failure::new(Exit::Missing, message)
+        Failure::new(ErrorKind::Missing, message)
     })?;
     Ok(Recording::open(file)?)
 }

@@ -10,12 +10,13 @@ mod terminal;
 use std::io::Write;
 use std::path::PathBuf;
 
+use xcscr::ErrorKind;
 use xcscr::record::Comparison;
 
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
 use super::live::{LIVE_PORT, LiveArgs};
 use super::output::OutputFile;
-use super::source::recordings;
+use super::source::all_recordings;
 
 /// Arguments of `replay`.
 #[derive(Debug, clap::Args)]
@@ -63,10 +64,7 @@ pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     if args.compare {
         return compare(args, out);
     }
-    let mut files = Vec::new();
-    for path in &args.recordings {
-        files.extend(recordings(path)?);
-    }
+    let files = all_recordings(&args.recordings)?;
     if let Some(broadcast) = args.live.open(args.port.unwrap_or(LIVE_PORT), 1.0)? {
         return stream::run(&files, broadcast);
     }
@@ -88,16 +86,17 @@ impl ReplayArgs {
 fn compare(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     let [a, b] = &args.recordings[..] else {
         let message = "`--compare` takes two runs".to_owned();
-        return Err(Failure::new(Exit::Usage, message));
+        return Err(Failure::new(ErrorKind::Usage, message));
     };
     if let Some(output) = &args.output {
         let file = OutputFile::free(output, args.force)?;
         return file.write(&Comparison::of([a, b])?.bytes);
     }
     let comparison = Comparison::of([a, b])?;
-    let folder = tempfile::tempdir()?;
+    let unwritten = &Failure::system("write a temporary file");
+    let folder = tempfile::tempdir().map_err(unwritten)?;
     let file = folder.path().join("comparison.mcap");
-    std::fs::write(&file, &comparison.bytes)?;
+    std::fs::write(&file, &comparison.bytes).map_err(unwritten)?;
     let [of_a, of_b] = &comparison.headings;
     let offer = serve::Offer {
         what: format!("A: {of_a}\nB: {of_b}"),

@@ -4,6 +4,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use xcscr::ErrorKind;
 use xcscr::record::player;
 use xcscr::record::reader::Recording;
 use xcscr::record::{Comparison, RecordMode, RecordingKind};
@@ -11,7 +12,7 @@ use xcscr::run;
 use xcscr::study::{PlannedStudy, StudyFolder};
 
 use super::{browser, highlights};
-use crate::commands::failure::{Exit, Failure};
+use crate::commands::failure::Failure;
 use crate::commands::output::OutputFile;
 use crate::commands::terminal::file_link;
 
@@ -30,7 +31,7 @@ pub fn write(
         _ => {
             let message =
                 "`--html` takes one recording, run or study, or with `--compare` two runs";
-            return Err(Failure::new(Exit::Usage, message.to_owned()));
+            return Err(Failure::new(ErrorKind::Usage, message.to_owned()));
         }
     };
     output.write(page.as_bytes())?;
@@ -54,7 +55,7 @@ fn page_of_study(study: &StudyFolder, out: &mut impl Write) -> Result<String, Fa
     let Some((number, plan)) = study.best_trial() else {
         let path = study.path().display();
         let message = format!("no trial of the study in {path} reached a goal");
-        return Err(Failure::new(Exit::Missing, message));
+        return Err(Failure::new(ErrorKind::Missing, message));
     };
     let (world, method) = (plan.maze.name(), plan.config.method.name());
     writeln!(

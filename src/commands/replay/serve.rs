@@ -2,10 +2,8 @@
 
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use xcscr::ErrorKind;
 use xcscr::record::RecordingKind;
 use xcscr::record::layout;
 use xcscr::record::reader::Recording;
@@ -14,7 +12,8 @@ use xcscr::run::Source;
 use xcscr::trial::Plan;
 
 use super::browser;
-use crate::commands::failure::{Exit, Failure};
+use crate::commands::failure::Failure;
+use crate::commands::interrupt::Interrupt;
 use crate::commands::terminal::write_link;
 
 /// The most files that a link opens. The others can be dragged into the viewer.
@@ -45,16 +44,13 @@ pub fn run(offers: Vec<Offer>, service: &Service<'_>, out: &mut impl Write) -> R
     let port = service.port;
     let mut server = Server::bind(port).map_err(|cause| {
         let message = format!("cannot listen on port {port}: {cause}; choose another `--port`");
-        Failure::new(Exit::Io, message)
+        Failure::new(ErrorKind::Io, message)
     })?;
     service
         .origins
         .iter()
         .for_each(|origin| server.allow(origin));
-    let stopped = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stopped))?;
-    }
+    let interrupt = Interrupt::notice()?;
     let mut first = None;
     for offer in offers {
         let link = print_links(&mut server, offer, out)?;
@@ -65,7 +61,8 @@ pub fn run(offers: Vec<Offer>, service: &Service<'_>, out: &mut impl Write) -> R
     if let Some(link) = first.filter(|_| service.open) {
         browser::open(&link);
     }
-    server.run(|| stopped.load(Ordering::Relaxed))?;
+    let served = server.run(|| interrupt.came());
+    served.map_err(Failure::system("serve the recordings"))?;
     // A terminal shows `^C`. The next output begins on its own line.
     if io::stdout().is_terminal() {
         writeln!(out)?;
@@ -73,45 +70,20 @@ pub fn run(offers: Vec<Offer>, service: &Service<'_>, out: &mut impl Write) -> R
     Ok(())
 }
 
-/// Groups the recordings into offers, highlights first.
+/// Groups the recordings by run and kind, highlights first and comparisons last. Recordings of two
+/// runs would interleave in a viewer.
 pub fn offers(files: &[PathBuf]) -> Result<Vec<Offer>, Failure> {
-    let (mut compared, mut others) = (Vec::new(), Vec::new());
+    let mut groups: Vec<(Kind, Option<Plan>, Offer)> = Vec::new();
     for file in files {
-        match comparison(file)? {
-            Some(offer) => compared.push(offer),
-            None => others.push(file.clone()),
+        let (kind, plan, offer) = group(file)?;
+        let mut known = groups.iter_mut();
+        match known.find(|group| plan.is_some() && (group.0, &group.1) == (kind, &plan)) {
+            Some((.., known)) => known.files.extend(offer.files),
+            None => groups.push((kind, plan, offer)),
         }
     }
-    let groups = sorted(&others)?.into_iter();
-    let offers = groups.map(|group| Offer {
-        what: group.name(),
-        layout: group.layout(),
-        files: group.files,
-    });
-    Ok(offers.chain(compared).collect())
-}
-
-/// Returns the offer of a comparison of two runs; `None` for any other recording.
-fn comparison(file: &Path) -> Result<Option<Offer>, Failure> {
-    let recording = Recording::open(file)?;
-    let layout = recording.attachment("foxglove-layout.json");
-    let Some(layout) = layout.filter(|_| recording.extent() == Some(RecordingKind::Comparison))
-    else {
-        return Ok(None);
-    };
-    Ok(Some(Offer {
-        what: "Two runs side by side".to_owned(),
-        layout: String::from_utf8_lossy(layout).into_owned(),
-        files: vec![file.to_owned()],
-    }))
-}
-
-/// Recordings of one run with the same layout. Those of two runs would interleave in a viewer.
-struct Group {
-    plan: Plan,
-    method: &'static str,
-    kind: Kind,
-    files: Vec<PathBuf>,
+    groups.sort_by_key(|(kind, ..)| *kind);
+    Ok(groups.into_iter().map(|(.., offer)| offer).collect())
 }
 
 /// The kinds of recordings, in the order of the offers.
@@ -120,53 +92,40 @@ enum Kind {
     Highlights,
     Run,
     Episodes,
+    Comparison,
 }
 
-impl Group {
-    fn name(&self) -> String {
-        let what = match self.kind {
-            Kind::Highlights => "Highlights of the run",
-            Kind::Run => "The whole run",
-            Kind::Episodes => "Episodes",
+/// Returns the offer of one file, with its kind and the plan of its run. A comparison has no plan.
+fn group(file: &Path) -> Result<(Kind, Option<Plan>, Offer), Failure> {
+    let files = vec![file.to_owned()];
+    let recording = Recording::open(file)?;
+    let layout = recording.attachment("foxglove-layout.json");
+    let is_comparison = recording.extent() == Some(RecordingKind::Comparison);
+    if let Some(layout) = layout.filter(|_| is_comparison) {
+        let offer = Offer {
+            what: "Two runs side by side".to_owned(),
+            layout: String::from_utf8_lossy(layout).into_owned(),
+            files,
         };
-        let (world, seed) = (self.plan.maze.name(), self.plan.config.seed);
-        format!("{what} in {world}: {}, seed {seed}", self.method)
+        return Ok((Kind::Comparison, None, offer));
     }
-
-    fn layout(&self) -> String {
-        match self.kind {
-            Kind::Run => layout::of_run(&self.plan.maze),
-            Kind::Highlights | Kind::Episodes => layout::of_episode(&self.plan.maze),
-        }
-    }
-}
-
-/// Groups the files by run and kind, highlights first.
-fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
-    let mut groups: Vec<Group> = Vec::new();
-    for file in files {
-        let source = Source::of(file)?;
-        let method = source.method_name();
-        let plan = source.run.plan;
-        let kind = match source.extent {
-            RecordingKind::Highlights => Kind::Highlights,
-            RecordingKind::Run => Kind::Run,
-            // Comparisons are offered separately.
-            RecordingKind::Episode(_) | RecordingKind::Comparison => Kind::Episodes,
-        };
-        let fits = |group: &&mut Group| group.plan == plan && group.kind == kind;
-        match groups.iter_mut().find(fits) {
-            Some(group) => group.files.push(file.clone()),
-            None => groups.push(Group {
-                plan,
-                method,
-                kind,
-                files: vec![file.clone()],
-            }),
-        }
-    }
-    groups.sort_by_key(|group| group.kind);
-    Ok(groups)
+    let source = Source::of(file)?;
+    let (kind, what) = match source.extent {
+        RecordingKind::Highlights => (Kind::Highlights, "Highlights of the run"),
+        RecordingKind::Run => (Kind::Run, "The whole run"),
+        RecordingKind::Episode(_) | RecordingKind::Comparison => (Kind::Episodes, "Episodes"),
+    };
+    let (method, maze) = (source.method_name(), &source.run.plan.maze);
+    let (world, seed) = (maze.name(), source.run.plan.config.seed);
+    let offer = Offer {
+        what: format!("{what} in {world}: {method}, seed {seed}"),
+        layout: match kind {
+            Kind::Run => layout::of_run(maze),
+            _ => layout::of_episode(maze),
+        },
+        files,
+    };
+    Ok((kind, Some(source.run.plan), offer))
 }
 
 /// Prints the links of an offer and returns the first one.
@@ -175,7 +134,10 @@ fn print_links(server: &mut Server, offer: Offer, out: &mut impl Write) -> Resul
     let mut links = Vec::new();
     for file in &offer.files {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
-        links.push(server.add(&name, Content::File(file.canonicalize()?)));
+        let whole = file
+            .canonicalize()
+            .map_err(Failure::system("find a recording"))?;
+        links.push(server.add(&name, Content::File(whole)));
     }
     let what = offer.what;
     let linked = &links[links.len().saturating_sub(MOST_LINKED)..];

@@ -7,10 +7,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use console::{Key, Term};
+use xcscr::ErrorKind;
 use xcscr::record::player::TextPlayer;
 
 use super::highlights;
-use crate::commands::failure::{Exit, Failure};
+use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
 use crate::commands::terminal::escaped;
 
@@ -25,7 +26,7 @@ const UNBOUNDED: (usize, usize) = (80, usize::MAX);
 pub fn run(paths: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
     let [path] = paths else {
         let message = "`--terminal` takes one recording, or one run".to_owned();
-        return Err(Failure::new(Exit::Usage, message));
+        return Err(Failure::new(ErrorKind::Usage, message));
     };
     let player = TextPlayer::of(&highlights::recording(path)?)?;
     if !io::stdout().is_terminal() {

@@ -4,12 +4,12 @@ use std::io::Write;
 
 use xcscr::agent::Knowledge;
 use xcscr::page::Table;
-use xcscr::trial::Compacted;
 use xcscr::xcs::{Classifier, Population};
 
 use super::listing::{COLUMNS, Row};
 use super::{Shown, predicted};
 use crate::commands::failure::Failure;
+use crate::commands::output::print_json;
 use crate::commands::terminal::write_words;
 
 /// Prints the rules for a terminal.
@@ -61,11 +61,7 @@ pub fn json(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
             None => Knowledge::Rules(rules),
         },
     };
-    Ok(writeln!(
-        out,
-        "{}",
-        serde_json::to_string_pretty(&printed)?
-    )?)
+    print_json(&printed, out)
 }
 
 /// Prints a CSV table.
@@ -81,51 +77,35 @@ pub fn csv(rows: Vec<Row>, out: &mut impl Write) -> Result<(), Failure> {
 
 /// Describes the list of rules in one or two lines.
 pub fn headline(shown: &Shown<'_>) -> String {
-    let Shown {
-        plan,
-        knowledge,
-        compacted,
-        ..
-    } = shown;
-    let (world, sensor, all) = (plan.maze.name(), plan.config.sensor.name(), knowledge.len());
-    let Some(compacted) = compacted else {
+    let plan = shown.plan;
+    let (world, sensor) = (plan.maze.name(), plan.config.sensor.name());
+    let all = shown.knowledge.len();
+    let Some(compacted) = shown.compacted else {
         return format!("{world}, {sensor}: {all} rules");
     };
-    let Compacted {
-        rules,
-        percepts,
-        agreeing,
-        optimal,
-    } = compacted;
-    let optimal = if *optimal {
-        "globally optimal"
-    } else {
-        "not globally optimal"
-    };
+    let optimal = if compacted.optimal { "" } else { "not " };
     format!(
-        "{world}, {sensor}: {} rules, compacted from {all}\n  the same choice in {agreeing} of the \
-         {percepts} percepts of the world that they know; the policy is {optimal}",
-        rules.len()
+        "{world}, {sensor}: {} rules, compacted from {all}\n  the same choice in {} of the \
+         {} percepts of the world that they know; the policy is {optimal}globally optimal",
+        compacted.rules.len(),
+        compacted.agreeing,
+        compacted.percepts
     )
 }
 
 /// Returns the rules as a table.
 pub fn table(rows: &[Row]) -> Table {
-    let mut table = Table::new([
-        "if", "go", "covers", "value", "error", "fitness", "num", "exp",
-    ]);
-    let cells = |row: &Row| {
-        vec![
-            row.words.clone(),
-            row.go.clone(),
-            row.covers.to_string(),
-            format!("{:.1}", row.prediction),
-            format!("{:.1}", row.error),
-            format!("{:.2}", row.fitness),
-            row.numerosity.to_string(),
-            row.experience.to_string(),
-        ]
-    };
-    table.rows = rows.iter().map(cells).collect();
-    table
+    Table::of(
+        rows,
+        &[
+            ("if", &|row| row.words.clone()),
+            ("go", &|row| row.go.clone()),
+            ("covers", &|row| row.covers.to_string()),
+            ("value", &|row| format!("{:.1}", row.prediction)),
+            ("error", &|row| format!("{:.1}", row.error)),
+            ("fitness", &|row| format!("{:.2}", row.fitness)),
+            ("num", &|row| row.numerosity.to_string()),
+            ("exp", &|row| row.experience.to_string()),
+        ],
+    )
 }

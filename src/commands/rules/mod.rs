@@ -11,6 +11,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use xcscr::ErrorKind;
 use xcscr::agent::Knowledge;
 use xcscr::trial::{Compacted, Plan};
 use xcscr::world::{Cell, Paths};
@@ -18,7 +19,7 @@ use xcscr::xcs::{Percept, Population};
 
 use listing::Order;
 
-use super::failure::{Exit, Failure};
+use super::failure::Failure;
 use super::learned::LearnedArgs;
 
 /// Arguments of `rules`.
@@ -87,7 +88,7 @@ pub fn run(args: &RulesArgs, out: &mut impl Write) -> Result<(), Failure> {
         perceived(&plan, cell)?;
         if plan.maze.is_goal(cell) {
             let message = format!("{},{} is a goal: an episode ends there", cell.col, cell.row);
-            return Err(Failure::new(Exit::Usage, message));
+            return Err(Failure::new(ErrorKind::Usage, message));
         }
         return why::print(
             (&plan, &knowledge),
@@ -153,15 +154,13 @@ fn load(learned: &LearnedArgs) -> Result<(Plan, Knowledge), Failure> {
 /// Accepts only rules that fit the world of the plan.
 fn checked(plan: &Plan, knowledge: &Knowledge) -> Result<(), Failure> {
     let Plan { maze, config } = plan;
-    knowledge
-        .check(config.sensor.width(maze), maze.action_count())
-        .map_err(|misfit| Failure::new(Exit::BadData, misfit.to_string()))?;
+    knowledge.check(config.sensor.width(maze), maze.action_count())?;
     let message = match knowledge {
         _ if knowledge.rules().is_some() => return Ok(()),
         Knowledge::Planned(_) => "what was learned is a plan on a map; it has no rules",
         _ => "what was learned is a table of a tabular method; it has no rules",
     };
-    Err(Failure::new(Exit::BadData, message))
+    Err(Failure::new(ErrorKind::BadData, message))
 }
 
 fn compact(knowledge: &Knowledge, plan: &Plan) -> Result<Compacted, Failure> {
@@ -178,7 +177,7 @@ fn compact(knowledge: &Knowledge, plan: &Plan) -> Result<Compacted, Failure> {
                 Compacted::MOST_PERCEPTS
             ),
         };
-        Failure::new(Exit::BadData, message)
+        Failure::new(ErrorKind::BadData, message)
     })
 }
 
@@ -191,7 +190,7 @@ fn perceived(plan: &Plan, cell: Cell) -> Result<Percept, Failure> {
             cell.row,
             maze.name()
         );
-        return Err(Failure::new(Exit::Usage, message));
+        return Err(Failure::new(ErrorKind::Usage, message));
     }
     Ok(config.sensor.perceive_at(maze, cell))
 }

@@ -83,9 +83,7 @@ fn add_cells(shown: &Shown<'_>, blocks: &mut Vec<Block>) {
 }
 
 fn row(shown: &Shown<'_>, cell: Cell) -> Vec<String> {
-    let Shown {
-        plan, knowledge, ..
-    } = shown;
+    let (plan, knowledge) = (shown.plan, shown.knowledge);
     let why = Why::at(plan, knowledge, cell);
     let perceived = plan
         .config

@@ -76,21 +76,30 @@ fn print_votes(
     why: &Why,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
-    let mut table = Table::new(["if", "go", "value", "share", "error", "num", "exp"]);
-    let mut more = Vec::new();
+    let (mut shown, mut more): (Vec<&WeightedRule>, Vec<String>) = Default::default();
     for votes in why.votes.chunk_by(|a, b| a.rule.action == b.rule.action) {
-        let (shown, rest) = votes.split_at(votes.len().min(MOST_VOTES));
-        table
-            .rows
-            .extend(shown.iter().map(|vote| row(vote, plan, knowledge)));
+        let (first, rest) = votes.split_at(votes.len().min(MOST_VOTES));
+        shown.extend(first);
         if let [vote, ..] = rest {
             let name = plan.maze.action_name(vote.rule.action);
             more.push(format!("{} for {name}", rest.len()));
         }
     }
-    if table.rows.is_empty() {
+    if shown.is_empty() {
         return Ok(());
     }
+    let table = Table::of(
+        shown,
+        &[
+            ("if", &|vote| words(&vote.rule, plan, knowledge)),
+            ("go", &|vote| plan.maze.action_name(vote.rule.action)),
+            ("value", &|vote| format!("{:.1}", vote.rule.prediction)),
+            ("share", &|vote| format!("{:.0} %", 100.0 * vote.share)),
+            ("error", &|vote| format!("{:.1}", vote.rule.error)),
+            ("num", &|vote| vote.rule.numerosity.to_string()),
+            ("exp", &|vote| vote.rule.experience.to_string()),
+        ],
+    );
     writeln!(
         out,
         "\nRules that match, and their share in the value of their action:"
@@ -104,19 +113,6 @@ fn print_votes(
             more.join(", ")
         )?),
     }
-}
-
-fn row(vote: &WeightedRule, plan: &Plan, knowledge: &Knowledge) -> Vec<String> {
-    let rule = &vote.rule;
-    vec![
-        words(rule, plan, knowledge),
-        plan.maze.action_name(rule.action),
-        format!("{:.1}", rule.prediction),
-        format!("{:.0} %", 100.0 * vote.share),
-        format!("{:.1}", rule.error),
-        rule.numerosity.to_string(),
-        rule.experience.to_string(),
-    ]
 }
 
 fn print_changes(why: &Why, plan: &Plan, out: &mut impl Write) -> Result<(), Failure> {

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use xcscr::Error;
 use xcscr::arena::ArenaKind;
-use xcscr::study::{Overrides, Protocol, StudyError, StudyFile};
+use xcscr::study::{Overrides, Protocol, StudyFile};
 
 use crate::commands::choices;
 
@@ -32,7 +33,7 @@ pub(super) struct ChoiceArgs {
 
 impl ChoiceArgs {
     /// Returns the study's protocol.
-    pub fn protocol(&self) -> Result<Protocol, StudyError> {
+    pub fn protocol(&self) -> Result<Protocol, Error> {
         let overrides = Overrides {
             trials: self.trials,
             episodes: self.episodes,

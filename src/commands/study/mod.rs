@@ -14,12 +14,12 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::{Subcommand, ValueEnum};
-use xcscr::study::{
-    PlannedStudy, Protocol, Report, Shard, Slurm, Study, StudyError, StudyFolder, StudyKey,
-};
+use xcscr::ErrorKind;
+use xcscr::study::{PlannedStudy, Protocol, Report, Shard, Slurm, Study, StudyFolder, StudyKey};
 
-use crate::commands::failure::{Exit, Failure};
+use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
+use crate::commands::output::print_json;
 use crate::commands::terminal::{file_link, say, write_link, write_words};
 use choice::ChoiceArgs;
 use plan::PlanArgs;
@@ -226,7 +226,7 @@ fn merge(folders: &[PathBuf], out: Option<&Path>, force: bool) -> Result<StudyFo
         (None, [folder]) => PlannedStudy::read(folder)?.result(),
         _ => {
             let message = "name the folder of the whole study with `--out DIR`";
-            return Err(Failure::new(Exit::Usage, message));
+            return Err(Failure::new(ErrorKind::Usage, message));
         }
     };
     if force {
@@ -244,7 +244,8 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
         StudyFolder::replace_other(&path, &protocol)?;
     }
     let shutdown_message = "interrupted in a trial; run the same command again to resume it";
-    let interrupt = Interrupt::watch(move || Failure::new(Exit::Interrupted, shutdown_message))?;
+    let interrupt =
+        Interrupt::watch(move || Failure::new(ErrorKind::Interrupted, shutdown_message))?;
     let mut progress = Progress::new(args.quiet, interrupt);
     let study = Study::new(protocol);
     let folder = study
@@ -265,7 +266,7 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
         let message = format!(
             "interrupted after {done} of {all} trials; run the same command again to resume it"
         );
-        return Err(Failure::new(Exit::Interrupted, message));
+        return Err(Failure::new(ErrorKind::Interrupted, message));
     }
     Status::new(&folder, None).print(args.json, out)?;
     refuse_failed(&folder)
@@ -295,7 +296,7 @@ fn write_episodes(folder: &StudyFolder, jobs: usize) -> Result<(), Failure> {
     let written = study.write_episodes(folder, jobs, &|| interrupt.came());
     if written.is_err() && interrupt.came() {
         let message = "interrupted; nothing was written: run the same command again";
-        return Err(Failure::new(Exit::Interrupted, message));
+        return Err(Failure::new(ErrorKind::Interrupted, message));
     }
     Ok(written?)
 }
@@ -317,7 +318,7 @@ fn say_warnings(protocol: &Protocol) {
 fn report(path: &Path, force: bool, format: Format, out: &mut impl Write) -> Result<(), Failure> {
     // A running study can be read, but nothing can be written to its folder.
     let (folder, busy) = match StudyFolder::read_locked(path) {
-        Err(busy @ StudyError::Locked(_)) => (StudyFolder::read(path)?, Some(busy)),
+        Err(busy) if busy.kind() == ErrorKind::InUse => (StudyFolder::read(path)?, Some(busy)),
         folder => (folder?, None),
     };
     if let Err(incomplete) = folder.require_complete() {
@@ -355,7 +356,7 @@ fn print_report(
         }
         Format::Md => write!(out, "{}", report.markdown())?,
         Format::Html => write!(out, "{}", report.html())?,
-        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(report)?)?,
+        Format::Json => print_json(report, out)?,
     }
     Ok(())
 }
@@ -367,25 +368,5 @@ fn refuse_failed(folder: &StudyFolder) -> Result<(), Failure> {
     };
     let (count, path) = (1 + faults.count(), folder.path().display());
     let message = format!("{count} trials failed, see {path}/trials.csv; the first: {first}");
-    Err(Failure::new(Exit::Refuted, message))
-}
-
-impl From<StudyError> for Failure {
-    fn from(error: StudyError) -> Self {
-        let exit = match error {
-            StudyError::Settings(error) => return error.into(),
-            StudyError::World(error) => return error.into(),
-            StudyError::Plan(error) => return error.into(),
-            StudyError::Incomplete { .. } => Exit::Refuted,
-            StudyError::Usage(_) => Exit::Usage,
-            StudyError::Missing(_) => Exit::Missing,
-            StudyError::Refused(_) | StudyError::Locked(_) | StudyError::Create { .. } => {
-                Exit::CannotCreate
-            }
-            StudyError::Io { .. } | StudyError::System(_) => Exit::Io,
-            StudyError::Figure { .. } => Exit::Internal,
-            _ => Exit::BadData,
-        };
-        Self::new(exit, error.to_string())
-    }
+    Err(Failure::new(ErrorKind::Refuted, message))
 }

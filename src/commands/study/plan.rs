@@ -8,6 +8,7 @@ use xcscr::study::{Arm, PlannedStudy, Protocol};
 
 use super::choice::ChoiceArgs;
 use crate::commands::failure::Failure;
+use crate::commands::output::print_json;
 use crate::commands::terminal::say;
 
 /// Arguments of `study plan`.
@@ -55,10 +56,9 @@ pub(super) fn run(args: &PlanArgs, out: &mut impl Write) -> Result<(), Failure> 
         say("nothing was written: use `--tasks` and `--out` to freeze the study in a folder");
     }
     match args.json {
-        true => writeln!(out, "{}", serde_json::to_string_pretty(&outline)?)?,
-        false => outline.print(out)?,
+        true => print_json(&outline, out),
+        false => Ok(outline.print(out)?),
     }
-    Ok(())
 }
 
 impl Outline {
@@ -76,27 +76,19 @@ impl Outline {
     }
 
     fn print(&self, out: &mut impl Write) -> std::io::Result<()> {
-        let Self {
-            study,
-            plan,
-            arms,
-            trials_per_arm,
-            trials,
-            episodes,
-            seed,
-            tasks,
-        } = self;
-        writeln!(out, "study {study}, plan {plan}, root seed {seed}")?;
-        for arm in arms {
+        let (study, plan, trials) = (&self.study, &self.plan, self.trials);
+        writeln!(out, "study {study}, plan {plan}, root seed {}", self.seed)?;
+        for arm in &self.arms {
             writeln!(out, "  {arm}")?;
         }
+        let (per_arm, episodes) = (self.trials_per_arm, self.episodes);
         writeln!(
             out,
-            "{} arms x {trials_per_arm} trials of {episodes} episodes = {trials} trials",
-            arms.len()
+            "{} arms x {per_arm} trials of {episodes} episodes = {trials} trials",
+            self.arms.len()
         )?;
-        if let Some(tasks) = tasks {
-            let most = trials.div_ceil(*tasks);
+        if let Some(tasks) = self.tasks {
+            let most = trials.div_ceil(tasks);
             writeln!(out, "{tasks} tasks of at most {most} trials")?;
         }
         Ok(())

@@ -8,6 +8,7 @@ use xcscr::study::{PlannedStudy, Slurm, StudyFolder, TaskState};
 
 use super::status::head;
 use crate::commands::failure::Failure;
+use crate::commands::output::print_json;
 
 /// The states of the tasks of a study, as `study status --json` prints them.
 #[derive(Debug, Serialize)]
@@ -63,18 +64,10 @@ impl PlannedStatus {
         out: &mut impl Write,
     ) -> Result<(), Failure> {
         if json {
-            return Ok(writeln!(out, "{}", serde_json::to_string_pretty(self)?)?);
+            return print_json(self, out);
         }
-        let Self {
-            study,
-            plan,
-            trials,
-            finished,
-            tasks,
-            ..
-        } = self;
-        let head = head(study, plan, *finished, *trials);
-        writeln!(out, "{head}, in {tasks} tasks")?;
+        let head = head(&self.study, &self.plan, self.finished, self.trials);
+        writeln!(out, "{head}, in {} tasks", self.tasks)?;
         for (name, tasks) in [
             ("complete", &self.complete),
             ("running", &self.running),

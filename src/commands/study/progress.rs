@@ -4,10 +4,11 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use xcscr::study::{StudyWatcher, TrialRecord};
 
 use crate::commands::interrupt::Interrupt;
+use crate::commands::progress::bar;
 
 const TEMPLATE: &str = "{bar:30} trial {pos}/{len}, {eta} left";
 
@@ -21,17 +22,10 @@ pub(super) struct Progress {
 
 impl Progress {
     pub fn new(quiet: bool, interrupt: Interrupt) -> Self {
-        let target = match quiet {
-            true => ProgressDrawTarget::hidden(),
-            false => ProgressDrawTarget::stderr(),
-        };
-        let style = ProgressStyle::with_template(TEMPLATE).expect("the template is valid");
-        let bar = ProgressBar::with_draw_target(Some(0), target).with_style(style);
-        let finished = Arc::default();
         Self {
-            bar,
+            bar: bar(0, TEMPLATE, quiet),
             interrupt,
-            finished,
+            finished: Arc::default(),
         }
     }
 

@@ -6,6 +6,7 @@ use serde::Serialize;
 use xcscr::study::{Arm, Shard, Slurm, StudyFolder};
 
 use crate::commands::failure::Failure;
+use crate::commands::output::print_json;
 
 /// The most arms with all trials listed that get a line each.
 const MANY_ARMS: usize = 8;
@@ -71,16 +72,10 @@ impl Status {
 
     pub fn print(&self, json: bool, out: &mut impl Write) -> Result<(), Failure> {
         if json {
-            return Ok(writeln!(out, "{}", serde_json::to_string_pretty(self)?)?);
+            return print_json(self, out);
         }
-        let Self {
-            study,
-            plan,
-            trials,
-            finished,
-            ..
-        } = self;
-        writeln!(out, "{}", head(study, plan, *finished, *trials))?;
+        let head = head(&self.study, &self.plan, self.finished, self.trials);
+        writeln!(out, "{head}")?;
         for (name, trials) in [("missing", &self.missing), ("failed", &self.failed)] {
             if !trials.is_empty() {
                 writeln!(out, "  {name} ({}):", trials.len())?;

@@ -59,7 +59,7 @@ pub(super) fn run(args: &SubmitArgs, out: &mut impl Write) -> Result<(), Failure
     super::say_warnings(&protocol);
     let planned = PlannedStudy::in_folder(&args.out, protocol, args.tasks)?;
     let slurm = Slurm {
-        program: std::env::current_exe()?,
+        program: std::env::current_exe().map_err(Failure::system("find this program"))?,
         minutes: args.time,
         partition: args.partition.clone(),
         cpus: args.cpus,
@@ -130,32 +130,27 @@ fn show(slurm: &Slurm, planned: &PlannedStudy, out: &mut impl Write) -> Result<(
     )?)
 }
 
+/// Parses a number with a unit. Returns it in the unit whose factor is 1; `None` for 0.
+fn with_unit<const N: usize>(text: &str, units: [(&str, u32); N]) -> Option<u32> {
+    let read = |(unit, factor): (&str, u32)| {
+        let number: u32 = text.strip_suffix(unit)?.parse().ok()?;
+        number.checked_mul(factor)
+    };
+    let number = units.into_iter().find_map(read);
+    number.filter(|&number| number > 0)
+}
+
 /// Parses a duration to minutes, the unit of Slurm.
 fn minutes(text: &str) -> Result<u64, String> {
-    let units = [("m", 1), ("h", 60), ("d", 24 * 60)];
-    let read = |(unit, minutes): (&str, u64)| {
-        let number: u64 = text.strip_suffix(unit)?.parse().ok()?;
-        number.checked_mul(minutes)
-    };
-    let minutes = units.into_iter().find_map(read);
-    minutes
-        .filter(|minutes| (1..=365 * 24 * 60).contains(minutes))
-        .ok_or_else(|| {
-            "write minutes, hours or days, such as 45m, 1h or 2d; a year at most".to_owned()
-        })
+    let minutes = with_unit(text, [("m", 1), ("h", 60), ("d", 24 * 60)]);
+    let minutes = minutes.filter(|&minutes| minutes <= 365 * 24 * 60);
+    let fault = "write minutes, hours or days, such as 45m, 1h or 2d; a year at most";
+    minutes.map(u64::from).ok_or_else(|| fault.to_owned())
 }
 
 /// Parses a size to megabytes.
 fn megabytes(text: &str) -> Result<u32, String> {
-    let units = [("M", 1), ("G", 1024)];
-    let read = |(unit, megabytes): (&str, u32)| {
-        let number: u32 = text.strip_suffix(unit)?.parse().ok()?;
-        number.checked_mul(megabytes)
-    };
-    let megabytes = units
-        .into_iter()
-        .find_map(read)
-        .filter(|&megabytes| megabytes > 0);
+    let megabytes = with_unit(text, [("M", 1), ("G", 1024)]);
     megabytes.ok_or_else(|| "write megabytes or gigabytes, such as 500M or 2G".to_owned())
 }
 

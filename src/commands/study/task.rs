@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use xcscr::ErrorKind;
 use xcscr::study::{PlannedStudy, TaskProgress};
 
 use super::progress::Progress;
-use crate::commands::failure::{Exit, Failure};
+use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
 use crate::commands::terminal::say;
 
@@ -57,13 +58,13 @@ pub(super) fn run(args: &TaskArgs) -> Result<(), Failure> {
 fn interrupted(task: usize, finished: usize) -> Failure {
     match finished {
         0 => Failure::new(
-            Exit::Refuted,
+            ErrorKind::Refuted,
             format!(
                 "task {task} was interrupted before one of its trials ended: give it more time"
             ),
         ),
         _ => Failure::new(
-            Exit::Interrupted,
+            ErrorKind::Interrupted,
             format!(
                 "task {task} was interrupted after {finished} more trials; run it again to resume it"
             ),

@@ -3,13 +3,14 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use xcscr::ErrorKind;
 use xcscr::disk::typed;
 use xcscr::study::{Found, PlannedStudy, Rung, Stage, StudyFolder, Tuning, Verdict};
 
 use super::choice::ChoiceArgs;
 use super::progress::Progress;
 use super::{Format, finish};
-use crate::commands::failure::{Exit, Failure};
+use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
 
 /// Arguments of `study tune`.
@@ -41,7 +42,7 @@ pub(super) fn run(args: &TuneArgs, out: &mut impl Write) -> Result<(), Failure> 
     super::say_warnings(&protocol);
     let tasks = args.tasks.map_or(1, |tasks| tasks as usize);
     let tuning = Tuning::new(&args.out, protocol, args.budget, tasks)?;
-    let shutdown_message = || Failure::new(Exit::Interrupted, INTERRUPTED);
+    let shutdown_message = || Failure::new(ErrorKind::Interrupted, INTERRUPTED);
     let interrupt = Interrupt::watch(shutdown_message)?;
     loop {
         match tuning.stage()? {
@@ -68,7 +69,7 @@ fn to_run(planned: &PlannedStudy) -> Failure {
          then this command again",
         planned.protocol().name
     );
-    Failure::new(Exit::Interrupted, message)
+    Failure::new(ErrorKind::Interrupted, message)
 }
 
 /// Prints the course of the search, and the results of the finalists on fresh seeds.

@@ -8,7 +8,7 @@ use mcap::{McapError, McapResult};
 
 use super::retime::{Tempo, retimed};
 use super::segment::Segment;
-use crate::record::error::RecordError;
+use crate::record::error::{self, RecordError};
 use crate::record::info::{RecordingKind, RunInfo};
 use crate::record::layout;
 use crate::record::mode::RecordMode;
@@ -326,5 +326,5 @@ fn result(figures: &Figures) -> String {
 }
 
 pub(super) fn write_error(cause: McapError) -> RecordError {
-    RecordError::write(Path::new(&RecordingKind::Highlights.file_name()))(cause)
+    error::write(Path::new(&RecordingKind::Highlights.file_name()))(cause)
 }

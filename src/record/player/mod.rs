@@ -28,7 +28,7 @@ const SCRIPT: &str = concat!(include_str!("timeline.js"), "\n", include_str!("pl
 /// side by side.
 ///
 /// # Errors
-/// [`RecordError::Damaged`] if messages cannot be decoded or the world is missing.
+/// If messages cannot be decoded or the world is missing.
 pub fn page(recording: &Recording) -> Result<String, RecordError> {
     if recording.extent() != Some(RecordingKind::Comparison) {
         return Ok(page_of(&Data::of(recording, None)?));

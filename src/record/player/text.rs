@@ -25,7 +25,7 @@ impl TextPlayer {
     /// Reads a recording of a run, of an episode, or of highlights.
     ///
     /// # Errors
-    /// [`RecordError::Damaged`] if messages cannot be decoded, the world is missing, or the
+    /// If messages cannot be decoded, the world is missing, or the
     /// recording shows two runs.
     pub fn of(recording: &Recording) -> Result<Self, RecordError> {
         if recording.extent() == Some(RecordingKind::Comparison) {

@@ -5,7 +5,8 @@ use std::fmt;
 use std::path::Path;
 
 use super::reader::{Message, Recording};
-use crate::record::error::RecordError;
+use crate::disk;
+use crate::record::error::{self, RecordError};
 use crate::record::info::RecordingKind;
 use crate::record::json::json_tree;
 use crate::record::layout;
@@ -64,17 +65,16 @@ impl fmt::Display for Finding {
 /// Checks a file. An empty list means that the file is valid.
 ///
 /// # Errors
-/// [`RecordError::Read`] if the file cannot be read. Faults inside the file are findings.
+/// If the file cannot be read. Faults inside the file are findings.
 pub fn check(path: &Path) -> Result<Vec<Finding>, RecordError> {
-    match Recording::open(path) {
+    let bytes = disk::read(path, disk::MOST_BYTES).map_err(error::read(path))?;
+    match Recording::from_bytes(path, bytes) {
         Ok(recording) => Ok(recording.check()),
-        Err(error @ RecordError::Read { .. }) => Err(error),
         // Omits the error's advice to run this command.
-        Err(RecordError::Damaged { cause, .. }) => Ok(vec![finding(
+        Err(error) => Ok(vec![finding(
             FindingKind::Unreadable,
-            format!("this recording is damaged: {cause}"),
+            error::without_advice(&error),
         )]),
-        Err(error) => Ok(vec![finding(FindingKind::Unreadable, error.to_string())]),
     }
 }
 

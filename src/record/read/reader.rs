@@ -12,9 +12,11 @@ use serde::Serialize;
 
 use super::records::{Records, for_each_record, unpacked_size};
 use crate::disk;
-use crate::record::error::RecordError;
+use crate::error::ErrorKind;
+use crate::record::error::{self, RecordError};
 use crate::record::info::{KIND, RecordingKind, RunKind};
 use crate::record::json::json_tree;
+use crate::run::RunFolder;
 
 /// A recording in memory with valid checksums.
 #[derive(Debug, Clone)]
@@ -87,30 +89,42 @@ impl Recording {
     /// Reads a file and verifies its checksums.
     ///
     /// # Errors
-    /// [`RecordError::Read`] if the file cannot be read; otherwise as for [`Self::from_bytes`].
+    /// If the file cannot be read; otherwise as for [`Self::from_bytes`].
     pub fn open(path: &Path) -> Result<Self, RecordError> {
-        let bytes = disk::read(path, disk::MOST_BYTES).map_err(RecordError::read(path))?;
-        Self::from_bytes(path, bytes)
+        let bytes = disk::read(path, disk::MOST_BYTES).map_err(error::read(path))?;
+        let folder = path.parent().filter(|_| is_unfinished(path));
+        match folder.and_then(RunFolder::way_to_resume) {
+            Some(hint) => {
+                let message = format!(
+                    "this run was interrupted, and no viewer can open its unfinished recording; {hint}"
+                );
+                Err(ErrorKind::BadData.error(message))
+            }
+            None => Self::from_bytes(path, bytes),
+        }
     }
 
     /// Reads a recording from memory. Error messages refer to the recording as `path`.
     ///
     /// # Errors
-    /// [`RecordError::Unfinished`] if the name ends with `.part`. [`RecordError::Foreign`] if the
-    /// bytes are not an MCAP file. [`RecordError::Damaged`] if the file is incomplete or a checksum
-    /// is wrong.
+    /// If the name ends with `.part`, the bytes are not an MCAP file, the file is incomplete, or a
+    /// checksum is wrong.
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, RecordError> {
-        let file = path.to_owned();
-        if path.extension().is_some_and(|end| end == "part") {
-            return Err(RecordError::Unfinished { path: file });
+        if is_unfinished(path) {
+            let message = format!(
+                "this recording was never finished, so viewers cannot open it; recover it with \
+                 `xcscr recording recover {} -o OUT.mcap`",
+                path.display()
+            );
+            return Err(ErrorKind::BadData.error(message));
         }
         if !bytes.starts_with(MAGIC) {
-            return Err(RecordError::Foreign { path: file });
+            return Err(error::foreign(path));
         }
         check_unpacked(path, &bytes)?;
-        let damaged = RecordError::damaged(path);
+        let damaged = error::damaged(path);
         let mut recording = Self {
-            path: file,
+            path: path.to_owned(),
             summary: Summary::default(),
             attachments: Vec::new(),
             metadata: BTreeMap::new(),
@@ -162,7 +176,7 @@ impl Recording {
 
     /// Returns the error that the recording is damaged, with this cause.
     pub(in crate::record) fn damaged(&self, cause: String) -> RecordError {
-        RecordError::damaged(&self.path)(cause)
+        error::damaged(&self.path)(cause)
     }
 
     /// Returns the name under which the recording was opened.
@@ -201,7 +215,7 @@ impl Recording {
         };
         let messages = stream.into_iter().flatten().chain(failed);
         messages.map(|message| {
-            let message = message.map_err(RecordError::damaged(&self.path))?;
+            let message = message.map_err(error::damaged(&self.path))?;
             Ok(Message {
                 channel: message.channel,
                 time_ns: message.log_time,
@@ -257,6 +271,11 @@ impl Recording {
     }
 }
 
+/// Returns true if the name is that of a recording that is still being written.
+fn is_unfinished(path: &Path) -> bool {
+    path.extension().is_some_and(|end| end == "part")
+}
+
 /// Rejects a file that unpacks to far more bytes than its size, before unpacking any of it.
 fn check_unpacked(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
     let most = disk::most_unpacked(bytes.len() as u64);
@@ -264,7 +283,7 @@ fn check_unpacked(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
     let unpacked = sizes.fold(0, u64::saturating_add);
     match unpacked <= most {
         true => Ok(()),
-        false => Err(RecordError::damaged(path)(format!(
+        false => Err(error::damaged(path)(format!(
             "its chunks unpack to {unpacked} bytes, but at most {most} are accepted for a file of its size"
         ))),
     }

@@ -8,28 +8,26 @@ use mcap::{MAGIC, McapError, McapResult};
 
 use super::records::{Recovery, copy_records};
 use crate::disk;
-use crate::record::error::{RecordError, explained};
+use crate::error::ErrorKind;
+use crate::record::error::{self, RecordError};
 use crate::record::read::reader::Recording;
 
 /// Copies all complete records of `input` to a complete recording `output`. The recording is read
 /// back before it gets its name. An existing `output` is replaced only if `force` is set.
 ///
 /// # Errors
-/// [`RecordError::Read`] if `input` cannot be read, [`RecordError::Foreign`] if it is not an MCAP
-/// file, and [`RecordError::Create`], [`RecordError::Recover`] or [`RecordError::Damaged`] for
-/// `output`.
+/// If `input` cannot be read or is not an MCAP file, or `output` cannot be written or read back.
 pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, RecordError> {
-    let bytes = disk::read(input, disk::MOST_BYTES).map_err(RecordError::read(input))?;
-    refuse(input, output, force).map_err(RecordError::create(output))?;
+    let bytes = disk::read(input, disk::MOST_BYTES).map_err(error::read(input))?;
+    refuse(input, output, force).map_err(error::create(output))?;
     if !bytes.starts_with(MAGIC) {
-        return Err(RecordError::Foreign {
-            path: input.to_owned(),
-        });
+        return Err(error::foreign(input));
     }
-    let temporary = disk::aside(output).map_err(RecordError::create(output))?;
-    let unwritable = |cause: McapError| RecordError::Recover {
-        path: output.to_owned(),
-        cause: explained(&cause),
+    let temporary = disk::aside(output).map_err(error::create(output))?;
+    let unwritable = |cause: McapError| {
+        let (cause, path) = (error::explained(&cause), output.display());
+        let message = format!("cannot write the recovered recording: {cause}: {path}");
+        ErrorKind::Io.error(message)
     };
     let recovery = write(&bytes, temporary.as_file()).map_err(unwritable)?;
     verify(temporary.path(), &recovery)?;

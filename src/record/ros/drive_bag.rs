@@ -15,7 +15,7 @@ use super::topics::Topic;
 use super::writer::{ENCAPSULATION, RosWriter, encoded};
 use crate::disk;
 use crate::drive::{DriverStep, Fault, Readings};
-use crate::record::error::RecordError;
+use crate::record::error::{self, RecordError};
 use crate::world::Maze;
 
 /// The topics of the file.
@@ -58,10 +58,10 @@ impl DriveBag {
         let mut options = OpenOptions::new();
         options.write(true).truncate(replace).create(replace);
         let file = options.create_new(!replace).open(path);
-        let file = BufWriter::new(file.map_err(RecordError::create(path))?);
+        let file = BufWriter::new(file.map_err(error::create(path))?);
         let mut bag = Self {
             path: path.to_owned(),
-            writer: RosWriter::begin(file, &TOPICS).map_err(RecordError::write(path))?,
+            writer: RosWriter::begin(file, &TOPICS).map_err(error::write(path))?,
             faults: Vec::new(),
             clock_ns: None,
         };
@@ -123,12 +123,9 @@ impl DriveBag {
         time_ns: u64,
         message: &impl Serialize,
     ) -> Result<(), RecordError> {
-        let message = encoded(message).map_err(|cause| RecordError::Write {
-            path: self.path.clone(),
-            cause,
-        })?;
+        let message = encoded(message).map_err(|cause| error::unwritten(&self.path, cause))?;
         let written = self.writer.write(topic, time_ns, &message);
-        written.map_err(RecordError::write(&self.path))
+        written.map_err(error::write(&self.path))
     }
 
     /// Finishes the recording.
@@ -137,7 +134,7 @@ impl DriveBag {
     /// Returns an error if the disk is full or fails.
     pub fn finish(self) -> Result<(), RecordError> {
         let ended = self.writer.finish().map(drop);
-        ended.map_err(RecordError::write(&self.path))
+        ended.map_err(error::write(&self.path))
     }
 }
 
@@ -158,8 +155,8 @@ impl DriveRecording {
     /// Returns an error if the file cannot be read, is damaged, or has other message types under
     /// these names.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
-        let bytes = disk::read(path, disk::MOST_BYTES).map_err(RecordError::read(path))?;
-        let damaged = RecordError::damaged::<String>(path);
+        let bytes = disk::read(path, disk::MOST_BYTES).map_err(error::read(path))?;
+        let damaged = error::damaged::<String>(path);
         let mut recording = Self::default();
         let mut clock_ns = None;
         let messages = MessageStream::new(&bytes).map_err(|cause| damaged(cause.to_string()))?;

@@ -21,7 +21,7 @@ use serde::Serialize;
 
 use crate::arena::{Estimate, LidarParams, Sample, View};
 use crate::episode::{Episode, Learned, Observer, Step};
-use crate::record::error::RecordError;
+use crate::record::error::{self, RecordError};
 use dead_reckoning::DeadReckoning;
 pub(crate) use dead_reckoning::rolled;
 pub use drive_bag::{DriveBag, DriveRecording};
@@ -45,7 +45,7 @@ const TOPICS: [Topic; 7] = [
 ];
 
 fn write_error(cause: McapError) -> RecordError {
-    RecordError::write(Path::new("the recording for ROS 2"))(cause)
+    error::write(Path::new("the recording for ROS 2"))(cause)
 }
 
 /// Observes episodes and writes the messages that a ROS 2 robot would have recorded.

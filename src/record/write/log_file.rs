@@ -10,7 +10,7 @@ use mcap::{Attachment, McapError, McapResult};
 
 use super::sink::{self, Packing, Sink};
 use crate::disk;
-use crate::record::error::RecordError;
+use crate::record::error::{self, RecordError};
 use crate::record::info::{RecordingKind, RunInfo};
 use crate::record::layout::SIDES;
 use crate::record::mode::RecordMode;
@@ -166,12 +166,12 @@ impl OpenFile {
         let created = disk::create(&part).and_then(|file| Ok((file.try_clone()?, file)));
         let (disk, file) = created.map_err(|cause| match cause.kind() {
             // The folder existed when the recorder began.
-            io::ErrorKind::NotFound => RecordError::write(&part)(cause.into()),
-            _ => RecordError::create(&part)(cause),
+            io::ErrorKind::NotFound => error::write(&part)(cause),
+            _ => error::create(&part)(cause),
         })?;
         let log = LogFile::new(BufWriter::with_capacity(64 * 1024, file), packing);
         Ok(Self {
-            log: log.map_err(RecordError::write(&part))?,
+            log: log.map_err(error::write(&part))?,
             disk,
             path,
             part,
@@ -181,15 +181,14 @@ impl OpenFile {
     /// Syncs the flushed data to disk.
     pub fn sync(&self) -> Result<(), RecordError> {
         let synced = self.disk.sync_data();
-        synced.map_err(|cause| RecordError::write(&self.part)(cause.into()))
+        synced.map_err(error::write(&self.part))
     }
 
     /// Replaces `folder/name.part` with this file.
     pub fn become_part(&mut self) -> Result<(), RecordError> {
         self.sync()?;
         let part = disk::part(&self.path);
-        disk::rename(&self.part, &part)
-            .map_err(|cause| RecordError::write(&self.part)(cause.into()))?;
+        disk::rename(&self.part, &part).map_err(error::write(&self.part))?;
         self.part = part;
         Ok(())
     }
@@ -204,7 +203,7 @@ impl OpenFile {
         &mut self,
         act: impl FnOnce(&mut LogFile<BufWriter<File>>) -> McapResult<()>,
     ) -> Result<(), RecordError> {
-        act(&mut self.log).map_err(RecordError::write(&self.part))
+        act(&mut self.log).map_err(error::write(&self.part))
     }
 
     /// Finishes the file, syncs it to disk and gives it its name. Returns the path and the size in
@@ -222,7 +221,7 @@ impl OpenFile {
             fs::rename(&part, &path)?;
             Ok(bytes)
         });
-        let bytes = saved.map_err(RecordError::write(&part))?;
+        let bytes = saved.map_err(error::write(&part))?;
         Ok((path, bytes))
     }
 
@@ -230,7 +229,7 @@ impl OpenFile {
     pub fn discard(self) -> Result<(), RecordError> {
         let Self { log, part, .. } = self;
         drop(log);
-        fs::remove_file(&part).map_err(|cause| RecordError::write(&part)(cause.into()))
+        fs::remove_file(&part).map_err(error::write(&part))
     }
 }
 

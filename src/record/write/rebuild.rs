@@ -11,7 +11,7 @@ use mcap::sans_io::linear_reader::LinearReaderOptions;
 
 use super::log_file::OpenFile;
 use crate::disk;
-use crate::record::error::RecordError;
+use crate::record::error::{self, RecordError};
 use crate::record::read::records::for_each_record;
 use crate::record::topics::Topic;
 
@@ -31,10 +31,10 @@ pub fn copy(
     chunks: Chunks,
     file: &mut OpenFile,
 ) -> Result<(), RecordError> {
-    let unreadable = RecordError::read(source);
+    let unreadable = error::read(source);
     let fault = |cause| match cause {
         McapError::Io(cause) => unreadable(cause),
-        cause => RecordError::damaged(source)(cause),
+        cause => error::damaged(source)(cause),
     };
     let input = disk::open(source).map_err(&unreadable)?;
     let size = input.metadata().map_err(&unreadable)?.len();

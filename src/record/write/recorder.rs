@@ -15,7 +15,7 @@ use crate::agent::Agent;
 use crate::arena::View;
 use crate::disk;
 use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
-use crate::record::error::RecordError;
+use crate::record::error::{self, RecordError};
 use crate::record::info::{RecordingKind, RunInfo};
 use crate::record::layout;
 use crate::record::mode::RecordMode;
@@ -90,7 +90,7 @@ impl Recorder {
     /// these names are replaced. With [`RecordMode::None`] nothing is written.
     ///
     /// # Errors
-    /// [`RecordError::Create`] if the folder or a file in it cannot be created.
+    /// If the folder or a file in it cannot be created.
     pub fn create(
         folder: &Path,
         maze: &Maze,
@@ -138,7 +138,7 @@ impl Recorder {
         let source = if is_whole { whole } else { part };
         // Check this first, so that a missing recording leaves the folder unchanged.
         let opened = disk::open(&source).map(drop);
-        opened.map_err(RecordError::read(&source))?;
+        opened.map_err(error::read(&source))?;
         // Write a separate file, so that nothing is lost if this is stopped, too.
         let mut run = self.open_run("again", Packing::Quick)?;
         rebuild::copy(&source, messages, Chunks::AsBefore, &mut run)?;
@@ -241,11 +241,11 @@ impl Recorder {
 
     /// Creates the folder and writes both layouts.
     fn lay_out(&self) -> Result<(), RecordError> {
-        fs::create_dir_all(&self.folder).map_err(RecordError::create(&self.folder))?;
+        fs::create_dir_all(&self.folder).map_err(error::create(&self.folder))?;
         let names = ["foxglove-layout.json", "foxglove-layout-run.json"];
         for (name, text) in names.into_iter().zip(&self.layouts) {
             let path = self.folder.join(name);
-            disk::replace(&path, text.as_bytes()).map_err(RecordError::create(&path))?;
+            disk::replace(&path, text.as_bytes()).map_err(error::create(&path))?;
         }
         Ok(())
     }
@@ -335,10 +335,7 @@ impl Recorder {
         for (episode, _) in std::mem::take(&mut self.memory.kept) {
             let path = self.path(RecordingKind::Episode(episode));
             // The file is already gone when this episode is repeated.
-            disk::remove(&path).map_err(|cause| RecordError::Write {
-                path,
-                cause: cause.to_string(),
-            })?;
+            disk::remove(&path).map_err(|cause| error::unwritten(&path, cause))?;
         }
         Ok(())
     }

@@ -114,6 +114,7 @@ fn curves(arms: &[Arm], episodes: u32, table: &[u8]) -> Option<Vec<Vec<CurvePoin
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::protocol::frozen;
 
     /// By hand: 4, 6 and 11 have the mean 7 and the sample variance 13; 1.96 times the root of 13/3 is 4.080.
     #[test]
@@ -124,10 +125,7 @@ mod tests {
         }
         let file =
             "name = \"a\"\nworlds = [\"maze4\"]\nmethods = [\"xcs\"]\ntrials = 3\nepisodes = 2";
-        let file = crate::study::StudyFile::parse(file, "a.toml", std::path::Path::new("."));
-        let protocol =
-            crate::study::Protocol::new(&file.unwrap(), &crate::study::Overrides::default());
-        let arm = &protocol.unwrap().arms[0];
+        let arm = &frozen(file, &[]).unwrap().arms[0];
         let points = sums.points(arm);
         let figures = |point: &CurvePoint| [point.steps, point.low, point.high];
         assert_eq!(figures(&points[0]), [7.0, 2.919_935, 11.080_065]);

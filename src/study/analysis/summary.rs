@@ -36,9 +36,7 @@ impl<'a> ArmRecords<'a> {
     }
 
     fn new(folder: &'a StudyFolder, i: usize, arm: &'a Arm) -> Self {
-        let Protocol {
-            trials, episodes, ..
-        } = *folder.protocol();
+        let Protocol { trials, .. } = *folder.protocol();
         let trials = i * trials..(i + 1) * trials;
         let own = folder.records_of(trials.clone());
         let failed = own.filter(|record| record.result.is_err()).count();
@@ -47,7 +45,7 @@ impl<'a> ArmRecords<'a> {
             failed,
             folder,
             trials,
-            episodes,
+            episodes: folder.protocol().episodes,
         }
     }
 
@@ -59,10 +57,8 @@ impl<'a> ArmRecords<'a> {
 
     /// Returns the proportion of trials that found a globally optimal policy.
     pub fn successes(&self) -> Proportion {
-        Proportion {
-            successes: self.first_episodes().len() as u64,
-            trials: self.figures().count() as u64,
-        }
+        let successes = self.first_episodes().len() as u64;
+        Proportion::new(successes, self.figures().count() as u64)
     }
 
     /// Returns the first optimal episodes of the trials that have one.
@@ -145,10 +141,8 @@ impl<'a> ArmRecords<'a> {
     fn driven_always(&self) -> Option<Proportion> {
         let driven: Vec<Driven> = self.figures().filter_map(|one| one.driven).collect();
         let always = driven.iter().filter(|one| one.goals == one.episodes);
-        (!driven.is_empty()).then(|| Proportion {
-            successes: always.count() as u64,
-            trials: driven.len() as u64,
-        })
+        let always = Proportion::new(always.count() as u64, driven.len() as u64);
+        (!driven.is_empty()).then_some(always)
     }
 
     /// Returns the number of trials whose policy was optimal after the last episode.

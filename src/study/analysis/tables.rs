@@ -4,7 +4,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::summary::ArmSummary;
-use crate::study::error::StudyError;
+use crate::disk;
+use crate::error::Error;
 use crate::study::protocol::{Arm, Protocol};
 use crate::study::statistics::rounded;
 use crate::study::store::StudyFolder;
@@ -119,15 +120,14 @@ impl StudyFolder {
             episodes: protocol.episodes,
             arms: ArmSummary::all(self),
         };
-        let text = serde_json::to_string_pretty(&summary).expect("plain data becomes JSON");
-        text + "\n"
+        disk::json(&summary)
     }
 
     /// Writes `trials.csv` and `summary.json`.
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn write_tables(&self) -> Result<(), StudyError> {
+    pub fn write_tables(&self) -> Result<(), Error> {
         let protocol = self.protocol();
         self.write_with("trials.csv", |file| {
             let mut table = csv::Writer::from_writer(file);

@@ -2,12 +2,13 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::io::{self, ErrorKind};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::disk;
-use crate::study::error::StudyError;
+use crate::error::{Error, ErrorKind};
+use crate::study::error;
 use crate::study::protocol::id_of;
 use crate::study::store::PlannedStudy;
 
@@ -60,8 +61,8 @@ impl Slurm {
     /// Checks that Slurm's commands are installed.
     ///
     /// # Errors
-    /// [`StudyError::System`] when they are not.
-    pub fn require() -> Result<(), StudyError> {
+    /// When they are not.
+    pub fn require() -> Result<(), Error> {
         let folders = std::env::var_os("PATH").unwrap_or_default();
         let mut folders = std::env::split_paths(&folders);
         match folders.any(|folder| folder.join("sbatch").is_file()) {
@@ -73,8 +74,8 @@ impl Slurm {
     /// Returns the tasks of a study that are in the queue.
     ///
     /// # Errors
-    /// [`StudyError::System`] when the queue cannot be read.
-    pub fn queue(planned: &PlannedStudy) -> Result<Vec<Queued>, StudyError> {
+    /// When the queue cannot be read.
+    pub fn queue(planned: &PlannedStudy) -> Result<Vec<Queued>, Error> {
         let mut command = Command::new("squeue");
         let name = format!("--name={}", name(planned));
         command.args(["--noheader", "--array", &name, "--format=%F %K %T %Z"]);
@@ -104,22 +105,21 @@ impl Slurm {
     /// merge job.
     ///
     /// # Errors
-    /// [`StudyError::Refused`] when a script was changed by hand, [`StudyError::System`], or an error
-    /// of the file system.
+    /// When a script was changed by hand, Slurm refuses, or a file cannot be written.
     pub fn submit(
         &self,
         planned: &PlannedStudy,
         tasks: &[usize],
         queue: &[Queued],
-    ) -> Result<[String; 2], StudyError> {
+    ) -> Result<[String; 2], Error> {
         let scripts = self.scripts(planned, tasks);
         let scripts = scripts.map(|(name, text)| (planned.path().join(name), text));
         require_folder(&planned.path().join(FOLDER))?;
         scripts.iter().try_for_each(|(path, _)| require_own(path))?;
         let logs = planned.path().join(FOLDER).join("logs");
-        fs::create_dir_all(&logs).map_err(|cause| StudyError::create(&logs, cause))?;
+        fs::create_dir_all(&logs).map_err(error::create(&logs))?;
         for (path, text) in scripts {
-            disk::replace(&path, text.as_bytes()).map_err(|cause| StudyError::io(&path, cause))?;
+            disk::replace(&path, text.as_bytes()).map_err(error::io(&path))?;
         }
         let array = sbatch(planned, ARRAY, &[])?;
         let after = dependency(&array, queue);
@@ -198,9 +198,9 @@ fn signed(script: String) -> String {
 }
 
 /// Refuses to replace a script that was changed by hand, or was not made by this program.
-fn require_own(path: &Path) -> Result<(), StudyError> {
+fn require_own(path: &Path) -> Result<(), Error> {
     let text = match disk::read_text(path, MOST_SCRIPT_BYTES) {
-        Err(cause) if cause.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(()),
         // The file is too large for a generated script, or is not text.
         Err(_) => String::new(),
         Ok(text) => text,
@@ -208,16 +208,16 @@ fn require_own(path: &Path) -> Result<(), StudyError> {
     let script = text.rsplit_once(CHECKSUM).map(|(script, _)| script);
     match script.is_some_and(|script| signed(script.to_owned()) == text) {
         true => Ok(()),
-        false => Err(StudyError::altered(path)),
+        false => Err(error::altered(path)),
     }
 }
 
 /// Refuses a symbolic link, which may point outside of the study's folder.
-fn require_folder(path: &Path) -> Result<(), StudyError> {
+fn require_folder(path: &Path) -> Result<(), Error> {
     match fs::symlink_metadata(path) {
         Ok(found) if found.is_symlink() => {
             let cause = io::Error::other("it is a symbolic link; replace it with a folder");
-            Err(StudyError::create(path, cause))
+            Err(error::create(path)(cause))
         }
         _ => Ok(()),
     }
@@ -238,7 +238,7 @@ fn dependency(array: &str, queue: &[Queued]) -> String {
 }
 
 /// Submits a script in the folder of the study, and returns the number of its job.
-fn sbatch(planned: &PlannedStudy, script: &str, options: &[String]) -> Result<String, StudyError> {
+fn sbatch(planned: &PlannedStudy, script: &str, options: &[String]) -> Result<String, Error> {
     let mut command = Command::new("sbatch");
     command.current_dir(planned.path()).arg("--parsable");
     command.args(options).arg(script);
@@ -248,19 +248,19 @@ fn sbatch(planned: &PlannedStudy, script: &str, options: &[String]) -> Result<St
     Ok(number.to_owned())
 }
 
-fn no_slurm(command: &str) -> StudyError {
-    StudyError::System(format!(
+fn no_slurm(command: &str) -> Error {
+    ErrorKind::Io.error(format!(
         "{command}: Slurm is not installed here; run this on a login node of the cluster, or print the \
          scripts with `study submit --dry-run`"
     ))
 }
 
 /// Runs a command, and returns its standard output.
-fn answer(mut command: Command) -> Result<String, StudyError> {
+fn answer(mut command: Command) -> Result<String, Error> {
     let name = command.get_program().to_string_lossy().into_owned();
-    let fault = |fault: &str| StudyError::System(format!("{name}: {fault}"));
+    let fault = |fault: &str| ErrorKind::Io.error(format!("{name}: {fault}"));
     let output = command.output().map_err(|cause| match cause.kind() {
-        ErrorKind::NotFound => no_slurm(&name),
+        io::ErrorKind::NotFound => no_slurm(&name),
         _ => fault(&cause.to_string()),
     })?;
     match output.status.success() {
@@ -270,9 +270,8 @@ fn answer(mut command: Command) -> Result<String, StudyError> {
 }
 
 /// Returns a path in the form in which Slurm lists it.
-fn absolute(path: &Path) -> Result<PathBuf, StudyError> {
-    path.canonicalize()
-        .map_err(|cause| StudyError::io(path, cause))
+fn absolute(path: &Path) -> Result<PathBuf, Error> {
+    path.canonicalize().map_err(error::io(path))
 }
 
 impl Slurm {

@@ -1,7 +1,7 @@
 //! Tasks of a planned study: running them, and their states.
 
 use super::slurm::Queued;
-use crate::study::error::StudyError;
+use crate::error::{Error, ErrorKind};
 use crate::study::own::Agents;
 use crate::study::runner::{StudyWatcher, run_trials};
 use crate::study::store::plan::ALL_TASKS;
@@ -44,10 +44,10 @@ impl PlannedStudy {
         task: usize,
         jobs: usize,
         watcher: &mut dyn StudyWatcher,
-    ) -> Result<TaskProgress, StudyError> {
+    ) -> Result<TaskProgress, Error> {
         let (folder, count) = (self.path().display(), self.tasks());
         let fault = || format!("{folder} has no task {task}: give a number from 1 to {count}");
-        let shard = Shard::nth(task, count).ok_or_else(|| StudyError::Usage(fault()))?;
+        let shard = Shard::nth(task, count).ok_or_else(|| ErrorKind::Usage.error(fault()))?;
         self.require_same_program()?;
         let mut folder = StudyFolder::of(self.clone(), Some(task))?;
         let missing = |folder: &StudyFolder| {
@@ -68,11 +68,11 @@ impl PlannedStudy {
     }
 
     /// Another version may compute other results, or have other settings.
-    fn require_same_program(&self) -> Result<(), StudyError> {
+    fn require_same_program(&self) -> Result<(), Error> {
         let (found, this) = (&self.protocol().version, env!("CARGO_PKG_VERSION"));
         match found == this {
             true => Ok(()),
-            false => Err(StudyError::Invalid(format!(
+            false => Err(ErrorKind::BadData.error(format!(
                 "{} was planned by xcscr {found}, but this is {this}: use that version, or plan the \
                  study again in another folder",
                 self.path().display()
@@ -86,7 +86,7 @@ impl StudyFolder {
     ///
     /// # Errors
     /// When the folder of the journals cannot be read.
-    pub fn task_states(&self, queue: &[Queued]) -> Result<Vec<(usize, TaskState)>, StudyError> {
+    pub fn task_states(&self, queue: &[Queued]) -> Result<Vec<(usize, TaskState)>, Error> {
         let tasks = self.planned().tasks();
         let (mut missing, mut attempts) = (vec![0; tasks + 1], vec![0; tasks + 1]);
         for trial in self.missing() {

@@ -1,7 +1,8 @@
 //! Study files, which the user writes.
 
 use std::collections::BTreeMap;
-use std::io::ErrorKind;
+use std::fmt::Display;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -11,12 +12,12 @@ use super::shipped;
 use crate::agent::Method;
 use crate::arena::ArenaKind;
 use crate::disk;
+use crate::error::{Error, ErrorKind};
 use crate::sensor::Sensor;
-use crate::study::error::StudyError;
+use crate::study::error;
 use crate::trial::{MOST_TOML_BYTES, RobotProfile, Settings, flatten, shortened, similar};
 use crate::world::{Maze, Recipe};
 use crate::world::{bundled_world, bundled_worlds};
-use xcs::bounds::OutOfRange;
 
 /// The contents of a study file, before they are frozen into a [`Protocol`](super::Protocol).
 #[derive(Debug, Clone, PartialEq)]
@@ -80,24 +81,29 @@ impl Document {
 }
 
 impl StudyFile {
+    /// Returns the error for a fault in the file.
+    pub(super) fn fault(&self, fault: impl Display) -> Error {
+        error::file(&self.origin, fault)
+    }
+
     /// Loads a shipped study, such as `paper`, or else a file.
     ///
     /// # Errors
     /// When there is no such file, or the file is not a valid study.
-    pub fn load(name: &Path) -> Result<Self, StudyError> {
+    pub fn load(name: &Path) -> Result<Self, Error> {
         if let Some(text) = name.to_str().and_then(shipped::study) {
             return Self::parse(text, &name.display().to_string(), Path::new(""));
         }
         let text = disk::read_text(name, MOST_TOML_BYTES).map_err(|cause| match cause.kind() {
-            ErrorKind::NotFound => StudyError::Missing(format!(
+            io::ErrorKind::NotFound => ErrorKind::Missing.error(format!(
                 "unknown study \"{}\": pass a TOML file or one of: {}",
                 name.display(),
                 shipped::study_names()
             )),
-            ErrorKind::InvalidData | ErrorKind::FileTooLarge => {
-                StudyError::file(&name.display().to_string(), cause)
+            io::ErrorKind::InvalidData | io::ErrorKind::FileTooLarge => {
+                error::file(&name.display().to_string(), cause)
             }
-            _ => StudyError::io(name, cause),
+            _ => error::io(name)(cause),
         })?;
         let folder = name.parent().unwrap_or(Path::new(""));
         Self::parse(&text, &name.display().to_string(), folder)
@@ -108,8 +114,8 @@ impl StudyFile {
     ///
     /// # Errors
     /// When the text is not a valid study.
-    pub fn parse(text: &str, origin: &str, folder: &Path) -> Result<Self, StudyError> {
-        let fault = |fault: String| StudyError::file(origin, readable(&fault));
+    pub fn parse(text: &str, origin: &str, folder: &Path) -> Result<Self, Error> {
+        let fault = |fault: String| error::file(origin, readable(&fault));
         let document: Document =
             toml::from_str(text).map_err(|e: toml::de::Error| fault(e.to_string()))?;
         Ok(Self {
@@ -120,13 +126,13 @@ impl StudyFile {
     }
 
     /// Loads the worlds, which are names of shipped or generated worlds, or paths.
-    pub(super) fn worlds(&self) -> Result<Vec<Maze>, StudyError> {
+    pub(super) fn worlds(&self) -> Result<Vec<Maze>, Error> {
         let names = self.document.worlds.iter();
         names.map(|name| self.world(name)).collect()
     }
 
     /// Loads the worlds in which trials learn beforehand; `None` for [`NOTHING`].
-    pub(super) fn earlier_worlds(&self) -> Result<Vec<Option<Maze>>, StudyError> {
+    pub(super) fn earlier_worlds(&self) -> Result<Vec<Option<Maze>>, Error> {
         let world = |name: &String| match name == NOTHING {
             true => Ok(None),
             false => self.world(name).map(Some),
@@ -134,13 +140,12 @@ impl StudyFile {
         self.document.after.iter().map(world).collect()
     }
 
-    fn world(&self, name: &str) -> Result<Maze, StudyError> {
+    fn world(&self, name: &str) -> Result<Maze, Error> {
         if let Some(text) = bundled_world(name) {
             return Ok(Maze::from_json(text.as_bytes(), name)?);
         }
         if let Ok(recipe) = name.parse::<Recipe>() {
-            let fault = |fault: OutOfRange| StudyError::file(&self.origin, fault.to_string());
-            return recipe.maze().map_err(fault);
+            return recipe.maze().map_err(|fault| self.fault(fault));
         }
         if !name.ends_with(".json") {
             let names = bundled_worlds().collect::<Vec<_>>().join(", ");
@@ -148,13 +153,13 @@ impl StudyFile {
                 "there is no world `{name}`: give a path to a .json file, one of {names}, or kind, \
                  size and seed of a generated one, such as rooms-12-3"
             );
-            return Err(StudyError::file(&self.origin, fault));
+            return Err(self.fault(fault));
         }
         Ok(Maze::load(&self.folder.join(name))?)
     }
 
     /// Returns the default settings, overridden by those of the study's robot.
-    pub(super) fn robot_settings(&self) -> Result<Settings, StudyError> {
+    pub(super) fn robot_settings(&self) -> Result<Settings, Error> {
         let defaults = Settings::default();
         let Some(robot) = &self.document.robot else {
             return Ok(defaults);
@@ -166,7 +171,7 @@ impl StudyFile {
         };
         let profile = RobotProfile::load(name);
         let settings = profile.and_then(|profile| Ok(profile.settings_over(&defaults)?));
-        settings.map_err(|fault| StudyError::file(&self.origin, fault.to_string()))
+        settings.map_err(|fault| self.fault(fault))
     }
 
     /// Returns the settings of one world.
@@ -183,39 +188,35 @@ impl StudyFile {
     }
 
     /// Rejects settings and sensors of worlds that are not in the study.
-    pub(super) fn check_worlds(&self, worlds: &[Maze]) -> Result<(), StudyError> {
-        let Document {
-            world_settings,
-            world_sensors,
-            ..
-        } = &self.document;
-        let mut named = world_settings.keys().chain(world_sensors.keys());
+    pub(super) fn check_worlds(&self, worlds: &[Maze]) -> Result<(), Error> {
+        let settings = self.document.world_settings.keys();
+        let mut named = settings.chain(self.document.world_sensors.keys());
         let unknown = named.find(|name| !worlds.iter().any(|maze| maze.name() == *name));
         unknown.map_or(Ok(()), |name| {
             let fault = format!("`{name}` is not a world of this study");
-            Err(StudyError::file(&self.origin, fault))
+            Err(self.fault(fault))
         })
     }
 
     /// Returns the settings of one method.
-    pub(super) fn method_settings(&self, method: Method) -> Result<Table, StudyError> {
+    pub(super) fn method_settings(&self, method: Method) -> Result<Table, Error> {
         let settings = &self.document.method_settings;
         let known = |name: &str| Method::ALL.iter().any(|method| method.name() == name);
         if let Some(name) = settings.keys().find(|name| !known(name)) {
             let names: Vec<&str> = Method::ALL.iter().map(|method| method.name()).collect();
             let fault = format!("there is no method `{name}`, only {}", names.join(", "));
-            return Err(StudyError::file(&self.origin, fault));
+            return Err(self.fault(fault));
         }
         Ok(settings.get(method.name()).cloned().unwrap_or_default())
     }
 
     /// Returns the swept settings and their values, sorted by full name.
-    pub(super) fn sweep(&self) -> Result<Vec<(String, Vec<Value>)>, StudyError> {
+    pub(super) fn sweep(&self) -> Result<Vec<(String, Vec<Value>)>, Error> {
         let mut entries = flatten(self.document.sweep.clone());
         entries.sort_by(|a, b| a.0.cmp(&b.0));
         let list = |(key, value): (String, Value)| match value {
             Value::Array(values) if !values.is_empty() => Ok((key, values)),
-            _ => Err(StudyError::file(
+            _ => Err(error::file(
                 &self.origin,
                 format!("`sweep.{key}` must be a list of values, such as [0.1, 0.2]"),
             )),
@@ -252,64 +253,43 @@ fn unknown<'a>(fault: &'a str, kind: &str) -> Option<(&'a str, &'a str, Vec<&'a 
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::study::protocol::frozen;
 
     const SMALL: &str =
         "name = \"s\"\nworlds = [\"maze4\"]\nmethods = [\"xcs\"]\ntrials = 2\nepisodes = 3\n";
 
-    fn message(text: &str) -> String {
-        let file = StudyFile::parse(text, "s.toml", Path::new(""));
-        let frozen =
-            file.and_then(|file| crate::study::protocol::Protocol::new(&file, &Default::default()));
-        frozen.unwrap_err().to_string()
-    }
-
     #[test]
-    fn the_error_for_an_unknown_key_suggests_a_similar_one() {
-        let text = format!("{SMALL}episods = 4\n");
-        assert_eq!(
-            message(&text),
-            "s.toml: there is no key `episods`; did you mean `episodes`?"
-        );
-        let text = format!("{SMALL}[sweep]\n\"xcs.betta\" = [0.1]\n");
-        assert_eq!(
-            message(&text),
-            "s.toml, sweep: there is no setting `xcs.betta`; did you mean `xcs.beta`?"
-        );
-    }
-
-    #[test]
-    fn a_world_that_is_not_shipped_needs_a_path() {
-        let text = SMALL.replace("maze4", "maze99");
-        assert!(message(&text).contains("there is no world `maze99`"));
-    }
-
-    #[test]
-    fn the_error_for_an_unknown_method_suggests_a_similar_one_or_lists_all() {
-        let named = message(&SMALL.replace("\"xcs\"", "\"q-lerning\""));
-        assert!(
-            named.ends_with("there is no `q-lerning`: did you mean `q-learning`?"),
-            "{named}"
-        );
-        let named = message(&SMALL.replace("\"xcs\"", "\"?\""));
-        assert!(
-            named.contains("give one of xcs, xcsam,") && named.ends_with("r-max"),
-            "{named}"
-        );
-    }
-
-    #[test]
-    fn a_name_with_control_characters_is_rejected() {
-        let text = SMALL.replace("\"s\"", r#""\u001b[31mred""#);
-        assert!(message(&text).contains("a control character"));
-    }
-
-    #[test]
-    fn a_sweep_needs_lists_and_methods_must_exist() {
-        assert!(
-            message(&format!("{SMALL}[sweep]\n\"xcs.beta\" = 0.1\n")).contains("must be a list")
-        );
-        let text = format!("{SMALL}[method-settings.xcsr]\n\"xcs.beta\" = 0.1\n");
-        assert!(message(&text).contains("there is no method `xcsr`"));
+    fn mistakes_in_a_study_file_are_named_with_a_similar_name_or_all_names() {
+        let changed = |from: &str, to: &str| SMALL.replace(from, to);
+        let with = |more: &str| format!("{SMALL}{more}\n");
+        for (text, words) in [
+            (
+                with("episods = 4"),
+                "s.toml: there is no key `episods`; did you mean `episodes`?",
+            ),
+            (
+                with("[sweep]\n\"xcs.betta\" = [0.1]"),
+                "s.toml, sweep: there is no setting `xcs.betta`; did you mean `xcs.beta`?",
+            ),
+            (changed("maze4", "maze99"), "there is no world `maze99`"),
+            (
+                changed("\"xcs\"", "\"q-lerning\""),
+                "there is no `q-lerning`: did you mean `q-learning`?",
+            ),
+            (changed("\"xcs\"", "\"?\""), "give one of xcs, xcsam,"),
+            (
+                changed("\"s\"", r#""\u001b[31mred""#),
+                "a control character",
+            ),
+            (with("[sweep]\n\"xcs.beta\" = 0.1"), "must be a list"),
+            (
+                with("[method-settings.xcsr]\n\"xcs.beta\" = 0.1"),
+                "there is no method `xcsr`",
+            ),
+        ] {
+            let message = frozen(&text, &[]).unwrap_err().to_string();
+            assert!(message.contains(words), "{message}");
+        }
+        frozen(SMALL, &[]).expect("control");
     }
 }

@@ -9,12 +9,12 @@ use super::variants::{product, variants, with_entry};
 use super::{Arm, MOST_ARMS, MOST_GENERATED, MOST_WORLDS, Protocol, StudyFile, Variant};
 use crate::agent::Method;
 use crate::arena::ArenaKind;
-use crate::study::error::StudyError;
-use crate::trial::{PlanError, Resolved, Settings};
+use crate::error::Error;
+use crate::trial::{Resolved, Settings};
 use crate::world::{Maze, Recipe};
 use xcs::bounds::within;
 
-pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, StudyError> {
+pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Error> {
     let document = &file.document;
     let arenas = overrides
         .arena
@@ -36,25 +36,25 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Study
         worlds,
         earlier,
     };
-    protocol.check_numbers().map_err(PlanError::from)?;
+    protocol.check_numbers()?;
     match protocol.check() {
         Ok(()) => Ok(protocol),
-        Err(fault) => Err(StudyError::file(&file.origin, fault)),
+        Err(fault) => Err(file.fault(fault)),
     }
 }
 
 /// Rejects too many worlds before any of them is created.
-fn check_worlds(file: &StudyFile) -> Result<(), StudyError> {
+fn check_worlds(file: &StudyFile) -> Result<(), Error> {
     let names = || file.document.worlds.iter().chain(&file.document.after);
-    within("worlds", names().count(), 0..=MOST_WORLDS).map_err(PlanError::from)?;
+    within("worlds", names().count(), 0..=MOST_WORLDS)?;
     let recipes = names().filter_map(|name| name.parse::<Recipe>().ok());
     let cells = recipes.map(|recipe| usize::from(recipe.size).pow(2)).sum();
-    within("cells of all generated worlds", cells, 0..=MOST_GENERATED).map_err(PlanError::from)?;
+    within("cells of all generated worlds", cells, 0..=MOST_GENERATED)?;
     Ok(())
 }
 
 /// Rejects a study with too many combinations. A sweep alone can have billions.
-fn check_number(file: &StudyFile, places: usize) -> Result<(), StudyError> {
+fn check_number(file: &StudyFile, places: usize) -> Result<(), Error> {
     let document = &file.document;
     let sensors = document.world_sensors.values().chain(&document.sensors);
     let fixed = [
@@ -75,7 +75,7 @@ fn check_number(file: &StudyFile, places: usize) -> Result<(), StudyError> {
         return Ok(());
     }
     let fault = format!("it has {number} combinations, but the maximum is {MOST_ARMS}");
-    Err(StudyError::file(&file.origin, fault))
+    Err(file.fault(fault))
 }
 
 /// Returns every combination, in the order of the file, worlds first. An arm's earlier world
@@ -86,7 +86,7 @@ fn arms(
     afters: &[Option<&Maze>],
     arenas: &[ArenaKind],
     overrides: &Overrides,
-) -> Result<Vec<Arm>, StudyError> {
+) -> Result<Vec<Arm>, Error> {
     file.check_worlds(worlds)?;
     let variants = variants(file, overrides)?;
     let mut arms = Vec::new();
@@ -131,7 +131,7 @@ fn afters_of(
     file: &StudyFile,
     method: Method,
     afters: &[Option<&Maze>],
-) -> Result<Vec<Option<String>>, StudyError> {
+) -> Result<Vec<Option<String>>, Error> {
     if afters.is_empty() {
         return Ok(vec![None]);
     }
@@ -140,7 +140,7 @@ fn afters_of(
         let fault = format!(
             "the method `{name}` learns no rules, but `after` transfers rules: remove one of them"
         );
-        return Err(StudyError::file(&file.origin, fault));
+        return Err(file.fault(fault));
     }
     let name = |maze: &Option<&Maze>| maze.map(|maze| maze.name().to_owned());
     Ok(afters.iter().map(name).collect())
@@ -153,7 +153,7 @@ fn settings(
     world: &str,
     method: Method,
     overrides: &Overrides,
-) -> Result<Settings, StudyError> {
+) -> Result<Settings, Error> {
     let common = override_with(
         &file.robot_settings()?,
         &file.origin,
@@ -164,19 +164,16 @@ fn settings(
     Ok(Resolved::new(&own, &[], &overrides.sets)?.settings)
 }
 
-fn override_with(base: &Settings, origin: &str, table: &Table) -> Result<Settings, StudyError> {
+fn override_with(base: &Settings, origin: &str, table: &Table) -> Result<Settings, Error> {
     let text = table.to_string();
     Ok(Resolved::new(base, &[(origin, &text)], &[])?.settings)
 }
 
 /// Returns the origin of variant settings, for messages.
 fn origin_of_variants(file: &StudyFile) -> String {
-    let StudyFile {
-        origin, document, ..
-    } = file;
-    match document.without.is_empty() {
-        true => format!("{origin}, sweep"),
-        false => format!("{origin}, sweep or without"),
+    match file.document.without.is_empty() {
+        true => format!("{}, sweep", file.origin),
+        false => format!("{}, sweep or without", file.origin),
     }
 }
 
@@ -190,23 +187,14 @@ fn with_after(variant: &Variant, document: &Document, after: &Option<String>) ->
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
+    use crate::study::protocol::frozen;
 
-    fn protocol(text: &str, sets: &[&str]) -> Result<Protocol, StudyError> {
+    fn protocol(text: &str, sets: &[&str]) -> Result<Protocol, Error> {
         let text = format!(
             "name = \"s\"\nworlds = [\"maze4\", \"maze5\"]\nmethods = [\"xcs\", \"xcscr\"]\ntrials = 3\nepisodes = 4\n{text}"
         );
-        let file = StudyFile::parse(&text, "s.toml", Path::new(""))?;
-        let sets = sets.iter().map(|set| (*set).to_owned()).collect();
-        Protocol::new(
-            &file,
-            &Overrides {
-                sets,
-                ..Overrides::default()
-            },
-        )
+        frozen(&text, sets)
     }
 
     #[test]
@@ -226,32 +214,35 @@ mod tests {
     }
 
     #[test]
-    fn a_sweep_of_too_many_combinations_is_refused_before_they_are_made() {
+    fn a_study_that_is_too_large_or_sets_a_value_twice_is_refused_before_it_is_made() {
         let values = vec!["0.5"; 100].join(", ");
         let keys = ["xcs.beta", "xcs.mu", "xcs.chi", "xcs.delta", "xcs.alpha"];
-        let lines = keys.map(|key| format!("\"{key}\" = [{values}]\n"));
-        let fault = protocol(&format!("[sweep]\n{}", lines.concat()), &[]).unwrap_err();
-        let words = "it has 40000000000 combinations, but the maximum is 2500";
-        assert!(fault.to_string().contains(words), "{fault}");
+        let billions = keys.map(|key| format!("\"{key}\" = [{values}]\n")).concat();
+        let both = "without = [\"xcs.ga\"]\n[sweep]\n\"xcs.ga\" = [true, false]\n";
+        for (text, sets, words) in [
+            (
+                &format!("[sweep]\n{billions}")[..],
+                &[][..],
+                "it has 40000000000 combinations, but the maximum is 2500",
+            ),
+            (both, &[], "in `sweep` and in `without`"),
+            (
+                "[sweep]\n\"xcs.beta\" = [0.1]\n",
+                &["xcs.beta=1"],
+                "leave it out of --set",
+            ),
+        ] {
+            let fault = protocol(text, sets).unwrap_err().to_string();
+            assert!(fault.contains(words), "{fault}");
+        }
     }
 
     #[test]
     fn more_trials_than_can_be_listed_are_refused() {
-        let file = StudyFile::parse(
-            "name = \"s\"\nworlds = [\"maze4\"]\nmethods = [\"xcs\"]\ntrials = 1000000\nepisodes = 1\n[sweep]\n\"xcs.beta\" = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0]\n",
-            "s.toml",
-            Path::new(""),
-        );
-        let fault = Protocol::new(&file.unwrap(), &Overrides::default()).unwrap_err();
+        let text = "name = \"s\"\nworlds = [\"maze4\"]\nmethods = [\"xcs\"]\ntrials = 1000000\nepisodes = 1\n[sweep]\n\"xcs.beta\" = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0]\n";
+        let fault = frozen(text, &[]).unwrap_err().to_string();
         let words = "`trials of all combinations` is 11000000";
-        assert!(fault.to_string().contains(words), "{fault}");
-    }
-
-    #[test]
-    fn a_switch_is_swept_or_turned_off_but_not_both() {
-        let text = "without = [\"xcs.ga\"]\n[sweep]\n\"xcs.ga\" = [true, false]\n";
-        let fault = protocol(text, &[]).unwrap_err().to_string();
-        assert!(fault.contains("in `sweep` and in `without`"), "{fault}");
+        assert!(fault.contains(words), "{fault}");
     }
 
     #[test]
@@ -286,12 +277,6 @@ mod tests {
         };
         assert_eq!(figures(0), (0.1, 0.1, 0.4));
         assert_eq!(figures(1), (0.3, 0.1, 0.4));
-    }
-
-    #[test]
-    fn a_swept_setting_cannot_also_be_set() {
-        let fault = protocol("[sweep]\n\"xcs.beta\" = [0.1]\n", &["xcs.beta=1"]).unwrap_err();
-        assert!(fault.to_string().contains("leave it out of --set"));
     }
 
     #[test]

@@ -31,10 +31,8 @@ impl StudyKey {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
-    use crate::study::{Overrides, Protocol, StudyFile};
+    use crate::study::protocol::frozen;
 
     /// Returns a study file with all required keys and the example of this key.
     fn with_example(key: &StudyKey) -> String {
@@ -51,8 +49,7 @@ mod tests {
     fn every_example_makes_a_study() {
         for key in StudyKey::all() {
             let text = with_example(&key);
-            let file = StudyFile::parse(&text, &key.name, Path::new("."));
-            let study = file.and_then(|file| Protocol::new(&file, &Overrides::default()));
+            let study = frozen(&text, &[]);
             assert!(study.is_ok(), "{text}\n{study:?}");
         }
     }
@@ -61,8 +58,12 @@ mod tests {
     fn keys_without_a_default_are_required() {
         for key in StudyKey::all() {
             let text = with_example(&key).replace(&key.example, "");
-            let file = StudyFile::parse(&text, "s.toml", Path::new("."));
-            assert_eq!(file.is_err(), key.default.is_none(), "{}: {text}", key.name);
+            assert_eq!(
+                frozen(&text, &[]).is_err(),
+                key.default.is_none(),
+                "{}: {text}",
+                key.name
+            );
         }
     }
 }

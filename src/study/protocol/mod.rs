@@ -20,9 +20,10 @@ pub use keys::StudyKey;
 pub use overrides::Overrides;
 pub(super) use unread::refuse_duplicates;
 
-use super::error::StudyError;
+use super::error;
 use crate::agent::Method;
 use crate::arena::ArenaKind;
+use crate::error::Error;
 use crate::sensor::Sensor;
 use crate::trial::{Config, Plan, Settings};
 use crate::world::Maze;
@@ -141,14 +142,14 @@ impl Protocol {
     ///
     /// # Errors
     /// When a world, a setting or a number is invalid.
-    pub fn new(file: &StudyFile, overrides: &Overrides) -> Result<Self, StudyError> {
+    pub fn new(file: &StudyFile, overrides: &Overrides) -> Result<Self, Error> {
         freeze::freeze(file, overrides)
     }
 
     /// Adds a custom agent in every combination in which the study has a method.
-    pub(super) fn add_agent(&mut self, name: &str) -> Result<(), StudyError> {
+    pub(super) fn add_agent(&mut self, name: &str) -> Result<(), Error> {
         let origin = self.name.clone();
-        let refusal = |fault: String| Err(StudyError::file(&origin, fault));
+        let refusal = |fault: String| Err(error::file(&origin, fault));
         if !is_agent_name(name) {
             return refusal(format!(
                 "invalid agent name `{name}`: use 1 to 40 lower-case letters, digits and hyphens"
@@ -365,6 +366,18 @@ fn named<'a>(mazes: &'a [Maze], name: &str) -> Option<&'a Maze> {
 /// Returns the id of the study with this text.
 pub(super) fn id_of(json: &str) -> String {
     format!("{:08x}", crc32fast::hash(json.as_bytes()))
+}
+
+/// Freezes the study file `s.toml` with this text and these settings of the command line.
+#[cfg(test)]
+pub(super) fn frozen(text: &str, sets: &[&str]) -> Result<Protocol, Error> {
+    let sets = sets.iter().map(|set| (*set).to_owned()).collect();
+    let file = StudyFile::parse(text, "s.toml", std::path::Path::new(""))?;
+    let overrides = Overrides {
+        sets,
+        ..Overrides::default()
+    };
+    Protocol::new(&file, &overrides)
 }
 
 fn write_mazes<S: Serializer>(mazes: &[Maze], out: S) -> Result<S::Ok, S::Error> {

@@ -8,7 +8,8 @@ use super::overrides::Overrides;
 use super::variants::Variation;
 use super::{Arm, NOTHING, StudyFile};
 use crate::arena::ArenaKind;
-use crate::study::error::StudyError;
+use crate::error::Error;
+use crate::study::error;
 use crate::trial::{Scope, SettingOrigin, SettingsError, flatten};
 
 impl Arm {
@@ -39,20 +40,8 @@ impl Arm {
 
     /// Returns everything but the settings, as text.
     fn place(&self) -> String {
-        let Self {
-            world,
-            method,
-            arena,
-            sensor,
-            after,
-            ..
-        } = self;
-        format!(
-            "{world:?} {} {} {} {after:?}",
-            method.name(),
-            arena.name(),
-            sensor.name()
-        )
+        let names = [self.method.name(), self.arena.name(), self.sensor.name()];
+        format!("{:?} {} {:?}", self.world, names.join(" "), self.after)
     }
 }
 
@@ -63,7 +52,7 @@ pub(super) fn refuse_unread(
     overrides: &Overrides,
     variations: &[Variation],
     arms: &[Arm],
-) -> Result<(), StudyError> {
+) -> Result<(), Error> {
     let document = &file.document;
     if document.robot.is_some() && arms.iter().all(|arm| arm.arena == ArenaKind::Grid) {
         return Err(SettingsError::NoRobot.into());
@@ -115,7 +104,7 @@ fn refuse(keys: Vec<String>, origin: SettingOrigin, arms: &[&Arm]) -> Result<(),
 }
 
 /// Rejects arms whose trials, and so whose rows, would be identical.
-pub(in crate::study) fn refuse_duplicates(origin: &str, arms: &[Arm]) -> Result<(), StudyError> {
+pub(in crate::study) fn refuse_duplicates(origin: &str, arms: &[Arm]) -> Result<(), Error> {
     let mut places: HashMap<String, usize> = HashMap::new();
     for arm in arms {
         *places.entry(arm.place()).or_default() += 1;
@@ -135,33 +124,21 @@ pub(in crate::study) fn refuse_duplicates(origin: &str, arms: &[Arm]) -> Result<
             twin.name(),
             arm.name()
         );
-        return Err(StudyError::file(origin, fault));
+        return Err(error::file(origin, fault));
     }
     Ok(())
 }
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
-    use super::super::Protocol;
     use super::*;
+    use crate::study::protocol::{Protocol, frozen};
 
-    fn protocol(methods: &str, more: &str, sets: &[&str]) -> Result<Protocol, StudyError> {
+    fn protocol(methods: &str, more: &str, sets: &[&str]) -> Result<Protocol, Error> {
         let text = format!(
             "name = \"s\"\nworlds = [\"maze4\"]\nmethods = [{methods}]\ntrials = 1\nepisodes = 1\n{more}"
         );
-        let file = StudyFile::parse(&text, "s.toml", Path::new(""))?;
-        let sets = sets.iter().map(|set| (*set).to_owned()).collect();
-        let overrides = Overrides {
-            sets,
-            ..Overrides::default()
-        };
-        Protocol::new(&file, &overrides)
-    }
-
-    fn refusal(methods: &str, more: &str, sets: &[&str]) -> String {
-        protocol(methods, more, sets).unwrap_err().to_string()
+        frozen(&text, sets)
     }
 
     const TABLE: &str = "\"q-learning\"";
@@ -169,63 +146,52 @@ mod tests {
 
     #[test]
     fn a_setting_that_no_arm_reads_is_rejected_wherever_it_is_set() {
-        for (more, place) in [
-            ("[settings]\n\"xcs.mu\" = 0.1\n", "s.toml, settings"),
+        let varied = "s.toml, sweep, variants or without";
+        for (more, sets, place) in [
+            (
+                "[settings]\n\"xcs.mu\" = 0.1\n",
+                &[][..],
+                "s.toml, settings",
+            ),
             (
                 "[world-settings.maze4]\n\"xcs.mu\" = 0.1\n",
+                &[],
                 "s.toml, world-settings",
             ),
             (
                 "[method-settings.q-learning]\n\"xcs.mu\" = 0.1\n",
+                &[],
                 "s.toml, method-settings",
             ),
-            (
-                "[sweep]\n\"xcs.mu\" = [0.1]\n",
-                "s.toml, sweep, variants or without",
-            ),
-            (
-                "variants = [{ \"xcs.mu\" = 0.1 }]\n",
-                "s.toml, sweep, variants or without",
-            ),
-            (
-                "without = [\"xcs.ga\"]\n",
-                "s.toml, sweep, variants or without",
-            ),
+            ("[sweep]\n\"xcs.mu\" = [0.1]\n", &[], varied),
+            ("variants = [{ \"xcs.mu\" = 0.1 }]\n", &[], varied),
+            ("without = [\"xcs.ga\"]\n", &[], varied),
+            ("", &["xcs.mu=0.1"], "--set"),
         ] {
-            let message = refusal(TABLE, more, &[]);
-            let said = message.starts_with(&format!("{place}: `xcs."))
-                && message
-                    .contains("has no effect: the method `q-learning` does not read it; `xcs`, ");
-            assert!(said, "{message}");
-            let another_reads_it = protocol(BOTH, more, &[]).is_ok();
-            assert_eq!(
-                another_reads_it,
-                !more.contains("method-settings"),
-                "{more}"
-            );
+            let message = protocol(TABLE, more, sets).unwrap_err().to_string();
+            let why = "has no effect: the method `q-learning` does not read it; `xcs`, ";
+            let is_told = message.starts_with(&format!("{place}: `xcs.")) && message.contains(why);
+            assert!(is_told, "{message}");
+            // Control: another method reads it.
+            let is_read = !more.contains("method-settings");
+            assert_eq!(protocol(BOTH, more, sets).is_ok(), is_read, "{more}");
         }
-        let message = refusal(TABLE, "", &["xcs.mu=0.1"]);
-        assert!(
-            message.starts_with("--set: `xcs.mu` has no effect"),
-            "{message}"
-        );
-        protocol(BOTH, "", &["xcs.mu=0.1"]).unwrap();
     }
 
     #[test]
     fn a_sweep_that_an_arm_does_not_read_is_rejected_with_the_arm() {
         let sweep = "[sweep]\n\"xcs.mu\" = [0.1, 0.2]\n";
-        let message = refusal(BOTH, sweep, &[]);
+        let arenas = "arenas = [\"grid\", \"physics\"]\n[sweep]\n\"physics.noise\" = [0.0, 1.0]\n";
         let arms = "`maze4 q-learning grid neighbours xcs.mu=0.1` and `maze4 q-learning grid neighbours xcs.mu=0.2` \
             would run the same trials (`xcs.mu`: the method `q-learning` does not read it";
-        assert!(message.contains(arms), "{message}");
+        for (methods, sweep, words) in [
+            (BOTH, sweep, arms),
+            (TABLE, arenas, "the arena `grid` does not read it"),
+        ] {
+            let message = protocol(methods, sweep, &[]).unwrap_err().to_string();
+            assert!(message.contains(words), "{message}");
+        }
         assert_eq!(protocol("\"xcs\"", sweep, &[]).unwrap().arms.len(), 2);
-        let arenas = "arenas = [\"grid\", \"physics\"]\n[sweep]\n\"physics.noise\" = [0.0, 1.0]\n";
-        let message = refusal(TABLE, arenas, &[]);
-        assert!(
-            message.contains("the arena `grid` does not read it"),
-            "{message}"
-        );
         protocol(TABLE, &arenas.replace("\"grid\", ", ""), &[]).unwrap();
     }
 
@@ -242,22 +208,19 @@ mod tests {
     #[test]
     fn a_part_is_left_out_only_of_methods_that_have_it() {
         let study = protocol(BOTH, "without = [\"xcs.ga\"]\n", &[]).unwrap();
-        let arms = study
-            .arms
-            .iter()
-            .map(|arm| format!("{} {}", arm.method_name(), arm.variant));
+        let name = |arm: &Arm| format!("{} {}", arm.method_name(), arm.variant);
         let expected = [
             "q-learning without=nothing",
             "xcs without=nothing",
             "xcs without=xcs.ga",
         ];
-        assert!(arms.eq(expected), "{:?}", study.arms);
+        assert!(study.arms.iter().map(name).eq(expected), "{:?}", study.arms);
     }
 
     #[test]
     fn a_robot_needs_an_arm_in_physics() {
         let robot = "robot = \"turtlebot3-burger\"\n";
-        let message = refusal(TABLE, robot, &[]);
+        let message = protocol(TABLE, robot, &[]).unwrap_err().to_string();
         assert!(
             message.contains("the arena `grid` has no robot"),
             "{message}"

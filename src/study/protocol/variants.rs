@@ -7,7 +7,7 @@ use toml::{Table, Value};
 use super::file::NOTHING;
 use super::overrides::Overrides;
 use super::{StudyFile, Variant};
-use crate::study::error::StudyError;
+use crate::error::Error;
 use crate::trial::{flatten, value_of};
 use xcs::random::Stream;
 
@@ -25,10 +25,7 @@ pub(super) type Variation = (Table, Variant);
 
 /// Returns all combinations of the swept values, the listed tables, and the switches to turn off,
 /// with their settings. Returns a single empty variant when nothing is varied.
-pub(super) fn variants(
-    file: &StudyFile,
-    overrides: &Overrides,
-) -> Result<Vec<Variation>, StudyError> {
+pub(super) fn variants(file: &StudyFile, overrides: &Overrides) -> Result<Vec<Variation>, Error> {
     let sweep = file.sweep()?;
     for (key, _) in &sweep {
         refuse_set(file, overrides, key)?;
@@ -91,7 +88,7 @@ fn with_listed(
     file: &StudyFile,
     overrides: &Overrides,
     variants: Vec<Variation>,
-) -> Result<Vec<Variation>, StudyError> {
+) -> Result<Vec<Variation>, Error> {
     if file.document.variants.is_empty() {
         return Ok(variants);
     }
@@ -132,13 +129,13 @@ fn drawn_combinations(sweep: &Sweep, sample: usize) -> Vec<Variation> {
 }
 
 /// Rejects a varied setting that is also set on the command line.
-fn refuse_set(file: &StudyFile, overrides: &Overrides, key: &str) -> Result<(), StudyError> {
+fn refuse_set(file: &StudyFile, overrides: &Overrides, key: &str) -> Result<(), Error> {
     let is_same = |set: &String| set.split('=').next().is_some_and(|k| k.trim() == key);
     if !overrides.sets.iter().any(is_same) {
         return Ok(());
     }
     let fault = format!("`{key}` is swept by this study: leave it out of --set");
-    Err(StudyError::file(&file.origin, fault))
+    Err(file.fault(fault))
 }
 
 /// Rejects a swept setting that another key of the file, `besides`, also sets.
@@ -147,13 +144,13 @@ fn refuse_swept(
     variant: &Variant,
     switch: &str,
     besides: &str,
-) -> Result<(), StudyError> {
+) -> Result<(), Error> {
     if !variant.0.contains_key(switch) {
         return Ok(());
     }
     let fault =
         format!("`{switch}` is both in `sweep` and in `{besides}`: leave it out of one of them");
-    Err(StudyError::file(&file.origin, fault))
+    Err(file.fault(fault))
 }
 
 /// Returns a variant with one more setting.

@@ -131,14 +131,9 @@ fn paired(arms: &[&ArmRecords<'_>], switch: &str) -> Pairs {
 
 fn pooled(arms: &[&ArmRecords<'_>], switch: &str, on: bool) -> Proportion {
     let arms = arms.iter().filter(|one| state(one.arm, switch) == Some(on));
-    let none = Proportion {
-        successes: 0,
-        trials: 0,
-    };
     arms.map(|one| one.successes())
-        .fold(none, |sum, one| Proportion {
-            successes: sum.successes + one.successes,
-            trials: sum.trials + one.trials,
+        .fold(Proportion::new(0, 0), |sum, one| {
+            Proportion::new(sum.successes + one.successes, sum.trials + one.trials)
         })
 }
 

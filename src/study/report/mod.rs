@@ -19,10 +19,10 @@ use paper::AgainstPaper;
 use crate::page::{self, Block, Picture, Table};
 
 use super::analysis::summary::{ArmRecords, ArmSummary};
-use super::error::StudyError;
 use super::protocol::Protocol;
 use super::report::figures::draw_figures;
 use super::store::StudyFolder;
+use crate::error::Error;
 
 /// The report of a study. As JSON, it contains all figures: the results per arm, the comparison
 /// with the paper, the comparisons of methods, and the contribution of each switch.
@@ -48,15 +48,7 @@ pub struct Report {
     /// The contribution of each switch.
     switches: Vec<SwitchEffect>,
     #[serde(skip)]
-    results: Table,
-    #[serde(skip)]
-    letters: Vec<(String, String)>,
-    #[serde(skip)]
-    settings: String,
-    #[serde(skip)]
-    question: String,
-    #[serde(skip)]
-    readings: Option<Table>,
+    protocol: Protocol,
     #[serde(skip)]
     pictures: Vec<Picture>,
 }
@@ -74,34 +66,21 @@ impl Report {
         if missing > 0 {
             tested.clear();
         }
-        let Protocol {
-            version,
-            name,
-            seed,
-            trials,
-            episodes,
-            ..
-        } = folder.protocol().clone();
-        let summaries = ArmSummary::all(folder);
-        let specs = &folder.protocol().arms;
+        let protocol = folder.protocol();
         Self {
-            study: name,
+            study: protocol.name.clone(),
             plan: folder.plan().to_owned(),
-            version,
-            seed,
-            trials,
-            episodes,
+            version: protocol.version.clone(),
+            seed: protocol.seed,
+            trials: protocol.trials,
+            episodes: protocol.episodes,
             missing,
-            results: results::table(specs, &summaries),
-            letters: results::letters(specs),
-            arms: summaries,
-            against_paper: AgainstPaper::all(&tested, folder.protocol()),
-            nearest: Nearness::all(&tested, folder.protocol()),
+            arms: ArmSummary::all(folder),
+            against_paper: AgainstPaper::all(&tested, protocol),
+            nearest: Nearness::all(&tested, protocol),
             comparisons: Comparison::all(&tested),
             switches: SwitchEffect::all(&tested),
-            settings: settings::sentences(folder.protocol()),
-            question: question::question(specs),
-            readings: settings::readings(folder.protocol()),
+            protocol: protocol.clone(),
             pictures: Vec::new(),
         }
     }
@@ -110,7 +89,7 @@ impl Report {
     ///
     /// # Errors
     /// When a figure cannot be drawn, or a file cannot be written.
-    pub fn write(&mut self, folder: &StudyFolder) -> Result<(), StudyError> {
+    pub fn write(&mut self, folder: &StudyFolder) -> Result<(), Error> {
         self.pictures = draw_figures(folder, &self.arms)?;
         folder.write("report.md", self.markdown().as_bytes())?;
         folder.write("report.html", self.html().as_bytes())
@@ -138,19 +117,19 @@ impl Report {
 
     /// Returns the sections of the report, in order.
     fn blocks(&self) -> Vec<Block> {
+        let arms = &self.protocol.arms;
+        let results = results::table(arms, &self.arms);
+        let legend = results::legend(&results);
         let mut blocks = vec![
             Block::Heading("Question".to_owned()),
-            Block::Text(self.question.clone()),
+            Block::Text(question::question(arms)),
             Block::Heading("Setup".to_owned()),
             Block::Text(self.introduction()),
         ];
-        blocks.extend(self.readings.clone().map(Block::Table));
-        blocks.extend([
-            Block::Heading("Table".to_owned()),
-            Block::Table(self.results.clone()),
-        ]);
-        blocks.extend(results::letters_legend(&self.letters).map(Block::Text));
-        blocks.push(Block::Text(results::legend(&self.results)));
+        blocks.extend(settings::readings(&self.protocol).map(Block::Table));
+        blocks.extend([Block::Heading("Table".to_owned()), Block::Table(results)]);
+        blocks.extend(results::letters_legend(&results::letters(arms)).map(Block::Text));
+        blocks.push(Block::Text(legend));
         if self.missing == 0 {
             blocks.extend(results::fewest_steps(&self.arms).map(Block::Text));
         }
@@ -175,10 +154,10 @@ impl Report {
             seed,
             trials,
             episodes,
-            settings,
             missing,
             ..
         } = self;
+        let settings = settings::sentences(&self.protocol);
         let so_far = match missing {
             0 => String::new(),
             _ => format!(
@@ -220,7 +199,8 @@ impl Report {
             add("Settings nearest to the paper", &tables, &[legend]);
         }
         if !comparisons.is_empty() {
-            let table = comparisons::table(comparisons, &self.letters);
+            let letters = results::letters(&self.protocol.arms);
+            let table = comparisons::table(comparisons, &letters);
             let texts = [
                 comparisons::LEGEND.to_owned(),
                 comparisons::decided(comparisons),

@@ -38,11 +38,9 @@ pub struct Reading {
 impl Paper {
     /// Returns the successes of a method in a world, and the last episode of an early success.
     fn numbers(&self, method: &str, world: &str) -> Option<(Proportion, u32)> {
-        let successes = Proportion {
-            successes: *self.successes.get(method)?.get(world)?,
-            trials: self.trials,
-        };
-        Some((successes, *self.early.get(world)?))
+        let successes = *self.successes.get(method)?.get(world)?;
+        let early = *self.early.get(world)?;
+        Some((Proportion::new(successes, self.trials), early))
     }
 }
 

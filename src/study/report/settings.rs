@@ -135,17 +135,14 @@ fn changed(protocol: &Protocol, number: usize) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
-    use crate::study::protocol::{Overrides, Protocol, StudyFile};
+    use crate::study::protocol::frozen;
 
     fn said(text: &str) -> String {
         let text = format!(
             "name = \"s\"\nworlds = [\"maze4\", \"maze5\"]\nmethods = [\"xcs\", \"xcscr\"]\ntrials = 1\nepisodes = 1\n{text}"
         );
-        let file = StudyFile::parse(&text, "s.toml", Path::new("")).unwrap();
-        sentences(&Protocol::new(&file, &Overrides::default()).unwrap())
+        sentences(&frozen(&text, &[]).unwrap())
     }
 
     #[test]
@@ -154,8 +151,7 @@ mod tests {
         let words = "Settings: the defaults, except `reward.step_threshold` = 60 (default 50).";
         assert_eq!(set, words);
         let text = "name = \"s\"\nworlds = [\"maze4\", \"dfs-12-1\"]\nmethods = [\"xcs\"]\ntrials = 1\nepisodes = 1\n";
-        let file = StudyFile::parse(text, "s.toml", Path::new("")).unwrap();
-        let told = sentences(&Protocol::new(&file, &Overrides::default()).unwrap());
+        let told = sentences(&frozen(text, &[]).unwrap());
         let words = "in dfs-12-1: `reward.step_threshold` = 176 (from the maze)";
         assert!(told.contains(words), "{told}");
     }

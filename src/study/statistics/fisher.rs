@@ -42,10 +42,7 @@ mod tests {
     use crate::study::statistics::assert_close;
 
     fn of_100(successes: u64) -> Proportion {
-        Proportion {
-            successes,
-            trials: 100,
-        }
+        Proportion::new(successes, 100)
     }
 
     #[test]
@@ -69,10 +66,7 @@ mod tests {
     fn p_of_large_tables_as_in_scipy() {
         // scipy 1.17.1: fisher_exact([[a, 800 - a], [b, 800 - b]]).pvalue
         for (a, b, p) in LARGE {
-            let of_800 = |successes| Proportion {
-                successes,
-                trials: 800,
-            };
+            let of_800 = |successes| Proportion::new(successes, 800);
             let found = fisher_exact(of_800(a), of_800(b));
             assert!((found / p - 1.0).abs() < 1e-6, "{found} is not {p}");
         }
@@ -91,10 +85,7 @@ mod tests {
                 assert!((0.0..=1.0).contains(&p), "{a} {b}: {p}");
             }
         }
-        let none = Proportion {
-            successes: 0,
-            trials: 0,
-        };
+        let none = Proportion::new(0, 0);
         assert_eq!(fisher_exact(none, none), 1.0);
     }
 

@@ -12,6 +12,11 @@ pub struct Proportion {
 }
 
 impl Proportion {
+    /// Returns `successes` in `trials` trials.
+    pub const fn new(successes: u64, trials: u64) -> Self {
+        Self { successes, trials }
+    }
+
     /// Returns the share of successes; 0 without trials.
     pub fn share(self) -> f64 {
         match self.trials {
@@ -110,7 +115,7 @@ mod tests {
     fn wilson_intervals_as_in_scipy() {
         // scipy 1.17.1: binomtest(k, n).proportion_ci(method="wilson")
         for (successes, trials, low, high) in WILSON {
-            let interval = Proportion { successes, trials }.wilson();
+            let interval = Proportion::new(successes, trials).wilson();
             assert_close(interval.low, low);
             assert_close(interval.high, high);
         }
@@ -125,26 +130,14 @@ mod tests {
 
     #[test]
     fn the_interval_is_0_to_1_without_trials() {
-        let none = Proportion {
-            successes: 0,
-            trials: 0,
-        }
-        .wilson();
+        let none = Proportion::new(0, 0).wilson();
         assert_eq!((none.low, none.high), (0.0, 1.0));
     }
 
     #[test]
     fn the_difference_of_newcombes_first_example() {
         // Newcombe (1998), table II, row (a): 56/70 against 48/80, method 10.
-        let larger = Proportion {
-            successes: 56,
-            trials: 70,
-        };
-        let smaller = Proportion {
-            successes: 48,
-            trials: 80,
-        };
-        let difference = larger.difference(smaller);
+        let difference = Proportion::new(56, 70).difference(Proportion::new(48, 80));
         assert_close((difference.low * 1e4).round() / 1e4, 0.0524);
         assert_close((difference.high * 1e4).round() / 1e4, 0.3339);
     }

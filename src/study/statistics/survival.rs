@@ -112,21 +112,6 @@ fn event_times(lifetimes: &[Lifetime]) -> Vec<EventTime> {
     event_times
 }
 
-/// Sorted waiting times, to count those that are at least a given time.
-struct Waiting(Vec<u32>);
-
-impl Waiting {
-    fn of(lifetimes: &[Lifetime]) -> Self {
-        let mut times: Vec<u32> = lifetimes.iter().map(|one| one.time).collect();
-        times.sort_unstable();
-        Self(times)
-    }
-
-    fn until(&self, time: u32) -> f64 {
-        (self.0.len() - self.0.partition_point(|&other| other < time)) as f64
-    }
-}
-
 /// Returns the p of the log-rank test (Mantel 1966) that two groups have the same waiting times.
 pub fn log_rank(a: &[Lifetime], b: &[Lifetime]) -> f64 {
     let both = [a, b].concat();
@@ -134,7 +119,8 @@ pub fn log_rank(a: &[Lifetime], b: &[Lifetime]) -> f64 {
         .iter()
         .map(|event| (event.time, event.events))
         .collect();
-    let waiting = Waiting::of(a);
+    let mut times_of_a: Vec<u32> = a.iter().map(|one| one.time).collect();
+    times_of_a.sort_unstable();
     let (mut excess, mut variance) = (0.0, 0.0);
     for EventTime {
         time,
@@ -142,7 +128,8 @@ pub fn log_rank(a: &[Lifetime], b: &[Lifetime]) -> f64 {
         events: came,
     } in event_times(&both)
     {
-        let waiting_a = waiting.until(time);
+        let gone = times_of_a.partition_point(|&other| other < time);
+        let waiting_a = (times_of_a.len() - gone) as f64;
         let waiting_b = all - waiting_a;
         excess += events_of_a.get(&time).copied().unwrap_or(0.0) - came * waiting_a / all;
         if all > 1.0 {

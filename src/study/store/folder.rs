@@ -9,8 +9,9 @@ use super::plan::{ALL_TASKS, PLAN, PlannedStudy};
 use super::record::{TrialRecord, trial};
 use super::records::Records;
 use crate::disk;
-use crate::disk::{FolderLock, LockError};
-use crate::study::error::StudyError;
+use crate::disk::{FolderLock, LOCK};
+use crate::error::{Error, ErrorKind};
+use crate::study::error;
 use crate::study::own::Agents;
 use crate::study::protocol::Protocol;
 use crate::trial::Plan;
@@ -34,7 +35,7 @@ impl StudyFolder {
     ///
     /// # Errors
     /// When the folder contains no study, or a damaged one.
-    pub fn read(path: &Path) -> Result<Self, StudyError> {
+    pub fn read(path: &Path) -> Result<Self, Error> {
         Self::of(PlannedStudy::read(path)?, None)
     }
 
@@ -42,7 +43,7 @@ impl StudyFolder {
     ///
     /// # Errors
     /// When a journal is damaged or cannot be read, or two journals disagree about a trial.
-    pub fn of(planned: PlannedStudy, task: Option<usize>) -> Result<Self, StudyError> {
+    pub fn of(planned: PlannedStudy, task: Option<usize>) -> Result<Self, Error> {
         let mut folder = Self {
             planned,
             records: Records::default(),
@@ -57,20 +58,21 @@ impl StudyFolder {
         Ok(folder)
     }
 
-    fn read_journal(&mut self, path: &Path) -> Result<(), StudyError> {
+    fn read_journal(&mut self, path: &Path) -> Result<(), Error> {
         let plan = self.planned.plan().to_owned();
         journal::read(path, &plan, &mut |record| {
-            let fault = record.check(self.protocol());
-            fault.map_err(|fault| StudyError::damaged(path, fault))?;
+            record
+                .check(self.protocol())
+                .map_err(error::damaged(path))?;
             self.insert(path, &record)
         })
     }
 
     /// Adds a trial that was found in `place`.
-    fn insert(&mut self, place: &Path, record: &TrialRecord) -> Result<(), StudyError> {
+    fn insert(&mut self, place: &Path, record: &TrialRecord) -> Result<(), Error> {
         match self.records.insert(record) {
             true => Ok(()),
-            false => Err(StudyError::Invalid(format!(
+            false => Err(ErrorKind::BadData.error(format!(
                 "{} contains another result of trial {} than an earlier line or journal: the plan is the \
                  same, so the program or the machine may differ",
                 place.display(),
@@ -82,8 +84,8 @@ impl StudyFolder {
     /// Reads the folder of a study, and locks it for writing.
     ///
     /// # Errors
-    /// The same as for [`Self::read`], or [`StudyError::Locked`].
-    pub fn read_locked(path: &Path) -> Result<Self, StudyError> {
+    /// The same as for [`Self::read`], or [`ErrorKind::InUse`].
+    pub fn read_locked(path: &Path) -> Result<Self, Error> {
         // No lock file is created in a folder without a study.
         let lock = PlannedStudy::is_in(path).then(|| lock(path)).transpose()?;
         let folder = Self::read(path)?;
@@ -96,8 +98,8 @@ impl StudyFolder {
     /// Creates or reopens the folder of a study, and locks it for writing.
     ///
     /// # Errors
-    /// [`StudyError::Locked`], [`StudyError::Refused`], or an error of the file system.
-    pub(in crate::study) fn open(path: &Path, protocol: &Protocol) -> Result<Self, StudyError> {
+    /// When the folder is in use or contains something else, or an error of the file system.
+    pub(in crate::study) fn open(path: &Path, protocol: &Protocol) -> Result<Self, Error> {
         let tasks = (!PlannedStudy::is_in(path)).then_some(1);
         PlannedStudy::in_folder(path, protocol.clone(), tasks)?.make()?;
         Self::read_locked(path)
@@ -107,8 +109,8 @@ impl StudyFolder {
     /// from them, and nothing else. A folder with no study, or with this one, is left as it is.
     ///
     /// # Errors
-    /// [`StudyError::Locked`], or an error of the file system.
-    pub fn replace_other(path: &Path, protocol: &Protocol) -> Result<(), StudyError> {
+    /// [`ErrorKind::InUse`], or an error of the file system.
+    pub fn replace_other(path: &Path, protocol: &Protocol) -> Result<(), Error> {
         if !PlannedStudy::is_in(path) {
             return Ok(());
         }
@@ -119,7 +121,7 @@ impl StudyFolder {
         let _lock = lock(path)?;
         Self::remove_outputs(path)?;
         for (_, journal) in found.journals()? {
-            disk::remove(&journal).map_err(|cause| StudyError::io(&journal, cause))?;
+            disk::remove(&journal).map_err(error::io(&journal))?;
         }
         // The folder has a plan at any moment, so that it is recognised as the folder of a study.
         PlannedStudy::new(path, protocol.clone(), 1)?.write(true)
@@ -128,17 +130,17 @@ impl StudyFolder {
     /// Reads folders of one study, in any order, as one study in memory.
     ///
     /// # Errors
-    /// [`StudyError::Invalid`] when their plans differ or they disagree about a trial, or when a
+    /// When their plans differ or they disagree about a trial, or when a
     /// folder cannot be read.
-    pub fn join(paths: &[PathBuf]) -> Result<Self, StudyError> {
+    pub fn join(paths: &[PathBuf]) -> Result<Self, Error> {
         let mut folders = paths.iter().map(|path| Self::read(path));
-        let nothing = || Err(StudyError::Missing("there is no folder to read".to_owned()));
+        let nothing = || Err(ErrorKind::Missing.error("there is no folder to read"));
         let mut joined = folders.next().unwrap_or_else(nothing)?;
         for folder in folders {
             let folder = folder?;
             if folder.plan() != joined.plan() {
                 let [a, b] = [&joined, &folder].map(|one| one.path().display());
-                return Err(StudyError::Invalid(format!(
+                return Err(ErrorKind::BadData.error(format!(
                     "{a} and {b} contain different studies (plans {} and {})",
                     joined.plan(),
                     folder.plan()
@@ -154,8 +156,8 @@ impl StudyFolder {
     /// Merges folders of one study, which must be complete together, into the folder `out`.
     ///
     /// # Errors
-    /// [`StudyError::Incomplete`], or the errors of [`Self::join`] and [`Self::read_locked`].
-    pub fn merge(folders: &[PathBuf], out: &Path) -> Result<Self, StudyError> {
+    /// [`ErrorKind::Refuted`] when trials are missing, or the errors of [`Self::join`] and [`Self::read_locked`].
+    pub fn merge(folders: &[PathBuf], out: &Path) -> Result<Self, Error> {
         let joined = Self::join(folders)?;
         joined.require_complete()?;
         let mut merged = Self::open(out, joined.protocol())?;
@@ -237,31 +239,23 @@ impl StudyFolder {
     /// Checks that all trials are finished.
     ///
     /// # Errors
-    /// [`StudyError::Incomplete`].
-    pub fn require_complete(&self) -> Result<(), StudyError> {
+    /// [`ErrorKind::Refuted`] when they are not.
+    pub fn require_complete(&self) -> Result<(), Error> {
         let total = self.protocol().len();
         match total - self.records.len() {
             0 => Ok(()),
-            missing => Err(StudyError::Incomplete { missing, total }),
+            missing => Err(ErrorKind::Refuted.error(format!(
+                "{missing} of {total} trials are missing; `xcscr study status` lists them"
+            ))),
         }
     }
 }
 
 /// Locks a folder, and removes the temporary files that a killed process left in it.
-fn lock(folder: &Path) -> Result<FolderLock, StudyError> {
-    let lock = FolderLock::acquire(folder).map_err(|fault| match fault {
-        LockError::Held(pid) => {
-            let holder = pid.map_or("another process".to_owned(), |pid| format!("process {pid}"));
-            StudyError::Locked(format!(
-                "{} is in use by {holder}: wait for it, or choose another folder with `--out`",
-                folder.display()
-            ))
-        }
-        LockError::File(path, cause) => StudyError::create(&path, cause),
-    })?;
+fn lock(folder: &Path) -> Result<FolderLock, Error> {
+    let lock = FolderLock::acquire(folder, error::create(&folder.join(LOCK)))?;
     let is_ours = |name: &str| name == PLAN || is_output(name);
-    let tidied = disk::remove_leftovers(folder, is_ours);
-    tidied.map_err(|cause| StudyError::io(folder, cause))?;
+    disk::remove_leftovers(folder, is_ours).map_err(error::io(folder))?;
     Ok(lock)
 }
 
@@ -271,14 +265,13 @@ mod tests {
     use std::thread;
 
     use super::*;
-    use crate::study::protocol::{Overrides, StudyFile};
+    use crate::study::protocol::frozen;
 
     #[test]
     fn of_many_processes_that_create_one_folder_at_once_none_finds_a_fault_but_the_lock() {
         const PROCESSES: usize = 8;
         let text = "name = 's'\nworlds = ['maze4']\nmethods = ['xcs']\ntrials = 1\nepisodes = 1\n";
-        let file = StudyFile::parse(text, "s.toml", Path::new("")).unwrap();
-        let protocol = Protocol::new(&file, &Overrides::default()).unwrap();
+        let protocol = frozen(text, &[]).unwrap();
         for round in 0..50 {
             let parent = tempfile::tempdir().unwrap();
             let path = parent.path().join("study");
@@ -295,7 +288,8 @@ mod tests {
                     .collect()
             });
             for result in results {
-                let is_expected = matches!(&result, Ok(()) | Err(StudyError::Locked(_)));
+                let fault = result.as_ref().err().map(Error::kind);
+                let is_expected = matches!(fault, None | Some(ErrorKind::InUse));
                 assert!(is_expected, "round {round}: {result:?}");
             }
         }

@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 
 use super::record::TrialRecord;
 use crate::disk;
-use crate::study::error::StudyError;
+use crate::error::Error;
+use crate::study::error;
 
 /// The maximum length of a line, which is more than a record needs.
 const MOST_LINE_BYTES: u64 = 1 << 20;
@@ -29,7 +30,7 @@ pub struct Journal {
 
 impl Journal {
     /// Starts a journal of a task in a new file in `folder`.
-    pub fn begin(folder: &Path, task: usize, plan: &str) -> Result<Self, StudyError> {
+    pub fn begin(folder: &Path, task: usize, plan: &str) -> Result<Self, Error> {
         let mut builder = tempfile::Builder::new();
         let prefix = format!("{task:05}-");
         builder.prefix(&prefix).rand_bytes(10);
@@ -37,29 +38,28 @@ impl Journal {
         // files.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let made = builder.tempfile_in(folder);
-        let made = made.map_err(|cause| StudyError::io(folder, cause))?;
+        let made = builder.tempfile_in(folder).map_err(error::io(folder))?;
         let kept = made.keep();
-        let (file, path) = kept.map_err(|fault| StudyError::io(folder, fault.error))?;
+        let (file, path) = kept.map_err(|fault| error::io(folder)(fault.error))?;
         let mut journal = Self { path, file };
         let begun = journal.file.write_all(header(plan).as_bytes());
         begun
             .and_then(|()| journal.file.sync_all())
-            .map_err(|cause| StudyError::io(&journal.path, cause))?;
+            .map_err(error::io(&journal.path))?;
         Ok(journal)
     }
 
     /// Appends records.
-    pub fn write(&mut self, records: &[TrialRecord]) -> Result<(), StudyError> {
+    pub fn write(&mut self, records: &[TrialRecord]) -> Result<(), Error> {
         let lines: String = records.iter().map(line).collect();
-        let written = self.file.write_all(lines.as_bytes());
-        written.map_err(|cause| StudyError::io(&self.path, cause))
+        self.file
+            .write_all(lines.as_bytes())
+            .map_err(error::io(&self.path))
     }
 
     /// Flushes the appended records to the disk.
-    pub fn sync(&mut self) -> Result<(), StudyError> {
-        let synced = self.file.sync_data();
-        synced.map_err(|cause| StudyError::io(&self.path, cause))
+    pub fn sync(&mut self) -> Result<(), Error> {
+        self.file.sync_data().map_err(error::io(&self.path))
     }
 }
 
@@ -67,23 +67,23 @@ impl Journal {
 /// ignored.
 ///
 /// # Errors
-/// [`StudyError::Damaged`] when the journal belongs to another plan, or a line before the last is
+/// When the journal belongs to another plan, or a line before the last is
 /// bad; or an error of `each`.
 pub fn read(
     path: &Path,
     plan: &str,
-    each: &mut dyn FnMut(TrialRecord) -> Result<(), StudyError>,
-) -> Result<(), StudyError> {
-    let file = disk::open(path).map_err(|cause| StudyError::io(path, cause))?;
+    each: &mut dyn FnMut(TrialRecord) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let file = disk::open(path).map_err(error::io(path))?;
     let mut lines = BufReader::new(file);
-    let mut next = || next_line(&mut lines).map_err(|cause| StudyError::io(path, cause));
+    let mut next = || next_line(&mut lines).map_err(error::io(path));
     let header = header(plan);
     let first = next()?;
     if first != header.as_bytes() {
         // A half-written header is the beginning of a new journal.
         return match header.as_bytes().starts_with(&first) {
             true => Ok(()),
-            false => Err(StudyError::damaged(path, foreign(&first))),
+            false => Err(error::damaged(path)(foreign(&first))),
         };
     }
     for number in 2.. {
@@ -92,7 +92,7 @@ pub fn read(
             _ if line.is_empty() => break,
             Some(record) => each(record)?,
             None if next()?.is_empty() => break,
-            None => return Err(StudyError::damaged(path, damaged_line(number))),
+            None => return Err(error::damaged(path)(damaged_line(number))),
         }
     }
     Ok(())
@@ -149,7 +149,7 @@ mod tests {
 
     use super::*;
 
-    fn contents(path: &Path, plan: &str) -> Result<Vec<TrialRecord>, StudyError> {
+    fn contents(path: &Path, plan: &str) -> Result<Vec<TrialRecord>, Error> {
         let mut records = Vec::new();
         read(path, plan, &mut |record| {
             records.push(record);

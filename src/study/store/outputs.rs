@@ -5,7 +5,8 @@ use std::path::Path;
 
 use super::folder::StudyFolder;
 use crate::disk;
-use crate::study::error::StudyError;
+use crate::error::{Error, ErrorKind};
+use crate::study::error;
 
 /// The table of episodes.
 pub const EPISODES: &str = "episodes.csv.gz";
@@ -50,16 +51,16 @@ impl StudyFolder {
     }
 
     /// Removes all generated files.
-    pub(super) fn remove_outputs(path: &Path) -> Result<(), StudyError> {
+    pub(super) fn remove_outputs(path: &Path) -> Result<(), Error> {
         outputs().try_for_each(|name| {
             let file = path.join(name);
-            disk::remove(&file).map_err(|cause| StudyError::io(&file, cause))
+            disk::remove(&file).map_err(error::io(&file))
         })
     }
 
     /// Writes a generated file. An existing file with other contents belongs to somebody else or
     /// was changed by hand. It is not overwritten without [`replacing`](Self::replacing).
-    pub(in crate::study) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), StudyError> {
+    pub(in crate::study) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Error> {
         self.write_with(name, |file| file.write_all(bytes))
     }
 
@@ -68,15 +69,15 @@ impl StudyFolder {
         &self,
         name: &str,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-    ) -> Result<(), StudyError> {
+    ) -> Result<(), Error> {
         let path = self.path().join(name);
         let written = match self.force {
             true => disk::replace_with(&path, write).map(|()| true),
             false => disk::keep_or_create(&path, write),
         };
-        match written.map_err(|cause| StudyError::io(&path, cause))? {
+        match written.map_err(error::io(&path))? {
             true => Ok(()),
-            false => Err(StudyError::Refused(format!(
+            false => Err(ErrorKind::CannotCreate.error(format!(
                 "{} exists and differs from what this study would write: replace it with `--force`; \
                  the trials are kept",
                 path.display()

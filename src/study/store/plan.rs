@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs;
-use std::io::{self, ErrorKind};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -10,9 +10,9 @@ use serde_json::value::RawValue;
 
 use super::journal::Journal;
 use crate::disk;
-use crate::study::error::StudyError;
+use crate::error::{Error, ErrorKind};
+use crate::study::error;
 use crate::study::protocol::{Protocol, id_of};
-use crate::trial::PlanError;
 use xcs::bounds::within;
 
 /// The file of the plan.
@@ -62,9 +62,9 @@ impl PlannedStudy {
     ///
     /// # Errors
     /// When there are more tasks than trials.
-    pub fn new(path: &Path, protocol: Protocol, tasks: usize) -> Result<Self, StudyError> {
+    pub fn new(path: &Path, protocol: Protocol, tasks: usize) -> Result<Self, Error> {
         let most = MOST_TASKS.min(protocol.len());
-        within("tasks", tasks, 1..=most).map_err(PlanError::from)?;
+        within("tasks", tasks, 1..=most)?;
         Ok(Self {
             path: path.to_owned(),
             plan: protocol.id(),
@@ -77,31 +77,26 @@ impl PlannedStudy {
     /// `tasks`, the number in the folder is used.
     ///
     /// # Errors
-    /// [`StudyError::Refused`] when the folder contains something else. [`StudyError::Usage`] when
-    /// the folder is new and `tasks` is `None`.
-    pub fn in_folder(
-        path: &Path,
-        protocol: Protocol,
-        tasks: Option<usize>,
-    ) -> Result<Self, StudyError> {
+    /// When the folder contains something else, or is new and `tasks` is `None`.
+    pub fn in_folder(path: &Path, protocol: Protocol, tasks: Option<usize>) -> Result<Self, Error> {
         let folder = path.display();
         if !Self::is_in(path) {
             require_own(path)?;
             let tasks = tasks.ok_or_else(|| {
                 let fault =
                     format!("{folder} is new: give the number of tasks, such as `--tasks 100`");
-                StudyError::Usage(fault)
+                ErrorKind::Usage.error(fault)
             })?;
             return Self::new(path, protocol, tasks);
         }
         let found = Self::read(path)?;
         match (protocol.id(), tasks.unwrap_or(found.tasks)) {
-            (wanted, _) if wanted != found.plan => Err(StudyError::Refused(format!(
+            (wanted, _) if wanted != found.plan => Err(ErrorKind::CannotCreate.error(format!(
                 "{folder} contains another study (plan {}, but this one is {wanted}): choose another \
                  folder with `--out`, or replace that study with `study run --force`",
                 found.plan
             ))),
-            (_, wanted) if wanted != found.tasks => Err(StudyError::Refused(format!(
+            (_, wanted) if wanted != found.tasks => Err(ErrorKind::CannotCreate.error(format!(
                 "{folder} is split into {} tasks, not {wanted}: leave out `--tasks`, or choose \
                  another folder with `--out`",
                 found.tasks
@@ -119,17 +114,16 @@ impl PlannedStudy {
     ///
     /// # Errors
     /// When the folder contains no study, or a damaged one.
-    pub fn read(path: &Path) -> Result<Self, StudyError> {
+    pub fn read(path: &Path) -> Result<Self, Error> {
         let file = path.join(PLAN);
         let text = disk::read(&file, disk::MOST_BYTES).map_err(|cause| match cause.kind() {
-            ErrorKind::NotFound => {
+            io::ErrorKind::NotFound => {
                 let folder = path.display();
-                StudyError::Missing(format!("{folder} contains no study: it has no {PLAN}"))
+                ErrorKind::Missing.error(format!("{folder} contains no study: it has no {PLAN}"))
             }
-            _ => StudyError::io(&file, cause),
+            _ => error::io(&file)(cause),
         })?;
-        let (protocol, plan, tasks) =
-            parse(&text).map_err(|fault| StudyError::damaged(&file, fault))?;
+        let (protocol, plan, tasks) = parse(&text).map_err(error::damaged(&file))?;
         Ok(Self {
             path: path.to_owned(),
             protocol,
@@ -141,12 +135,11 @@ impl PlannedStudy {
     /// Creates the folder, unless it exists.
     ///
     /// # Errors
-    /// [`StudyError::Refused`] when the folder contains something else, or an error of the file
-    /// system.
-    pub fn make(&self) -> Result<(), StudyError> {
+    /// When the folder contains something else, or an error of the file system.
+    pub fn make(&self) -> Result<(), Error> {
         require_own(&self.path)?;
         let journals = self.path.join(JOURNALS);
-        fs::create_dir_all(&journals).map_err(|cause| StudyError::create(&journals, cause))?;
+        fs::create_dir_all(&journals).map_err(error::create(&journals))?;
         if !Self::is_in(&self.path) {
             self.write(false)?;
         }
@@ -155,7 +148,7 @@ impl PlannedStudy {
     }
 
     /// Writes the plan, and keeps an existing one unless `force` replaces it.
-    pub(super) fn write(&self, force: bool) -> Result<(), StudyError> {
+    pub(super) fn write(&self, force: bool) -> Result<(), Error> {
         let text = self.protocol.to_json();
         let file = PlanFile {
             plan: self.plan.clone(),
@@ -164,11 +157,11 @@ impl PlannedStudy {
             study: RawValue::from_string(text).expect("JSON is valid JSON"),
         };
         let path = self.path.join(PLAN);
-        match disk::write(&path, &json(&file), force) {
+        match disk::write(&path, disk::json(&file).as_bytes(), force) {
             // Another process wrote a plan first. It may also have locked the folder, and removed
             // the temporary file of this process.
             Err(_) if !force && Self::is_in(&self.path) => Ok(()),
-            written => written.map_err(|cause| StudyError::io(&path, cause)),
+            written => written.map_err(error::io(&path)),
         }
     }
 
@@ -198,14 +191,14 @@ impl PlannedStudy {
     }
 
     /// Starts a new journal for trials of a task, or of [`ALL_TASKS`].
-    pub(in crate::study) fn begin(&self, task: usize) -> Result<Journal, StudyError> {
+    pub(in crate::study) fn begin(&self, task: usize) -> Result<Journal, Error> {
         Journal::begin(&self.path.join(JOURNALS), task, &self.plan)
     }
 
     /// Returns the journals with their tasks, sorted.
-    pub(in crate::study) fn journals(&self) -> Result<Vec<(usize, PathBuf)>, StudyError> {
+    pub(in crate::study) fn journals(&self) -> Result<Vec<(usize, PathBuf)>, Error> {
         let folder = self.path.join(JOURNALS);
-        let io = |cause| StudyError::io(&folder, cause);
+        let io = &error::io(&folder);
         let mut found = Vec::new();
         for entry in folder.read_dir().map_err(io)? {
             let name = entry.map_err(io)?.file_name();
@@ -239,7 +232,7 @@ fn parse(text: &[u8]) -> Result<(Protocol, String, usize), String> {
 }
 
 /// A folder without a plan may contain files that are created before the plan, and nothing else.
-fn require_own(path: &Path) -> Result<(), StudyError> {
+fn require_own(path: &Path) -> Result<(), Error> {
     let is_early = |name: &OsString| name == JOURNALS || disk::is_leftover_of(name, PLAN);
     // List the names first: another process may be creating the same plan, and more files after it.
     match names(path)?.iter().all(is_early) || PlannedStudy::is_in(path) {
@@ -249,34 +242,27 @@ fn require_own(path: &Path) -> Result<(), StudyError> {
 }
 
 /// Returns the names of the files in a folder. Empty if the folder does not exist.
-pub fn names(folder: &Path) -> Result<Vec<OsString>, StudyError> {
+pub fn names(folder: &Path) -> Result<Vec<OsString>, Error> {
     let names = folder.read_dir().and_then(|entries| {
         let names = entries.map(|entry| Ok(entry?.file_name()));
         names.collect::<io::Result<Vec<_>>>()
     });
     match names {
-        Err(cause) if cause.kind() == ErrorKind::NotFound => Ok(Vec::new()),
-        names => names.map_err(|cause| StudyError::create(folder, cause)),
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
+        names => names.map_err(error::create(folder)),
     }
 }
 
 /// Returns the error for a folder with other contents, which it describes.
-pub fn foreign(folder: &Path) -> StudyError {
+pub fn foreign(folder: &Path) -> Error {
     let kinds = [
         (PLAN, "a study"),
         (SEARCH, "a search, created by `xcscr study tune`"),
     ];
     let found = kinds.iter().find(|(name, _)| folder.join(name).is_file());
-    StudyError::Refused(format!(
+    ErrorKind::CannotCreate.error(format!(
         "{} contains {}; refusing to change it: choose another folder with `--out`",
         folder.display(),
         found.map_or("files that xcscr did not create", |(_, what)| what)
     ))
-}
-
-/// Serializes plain data as a JSON document.
-pub fn json(file: &impl Serialize) -> Vec<u8> {
-    let mut text = serde_json::to_string_pretty(file).expect("plain data becomes JSON");
-    text.push('\n');
-    text.into_bytes()
 }

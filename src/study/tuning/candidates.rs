@@ -1,6 +1,7 @@
 //! The candidates of a search: combinations of settings, each in all worlds of a study.
 
-use crate::study::error::StudyError;
+use crate::error::Error;
+use crate::study::error;
 use crate::study::protocol::{Arm, Protocol, refuse_duplicates};
 use crate::study::store::StudyFolder;
 
@@ -18,7 +19,7 @@ impl Candidate {
     ///
     /// # Errors
     /// When there are fewer than two candidates, two are the same, or one is not in all worlds.
-    pub fn all(protocol: &Protocol) -> Result<Vec<Self>, StudyError> {
+    pub fn all(protocol: &Protocol) -> Result<Vec<Self>, Error> {
         refuse_duplicates(&protocol.name, &protocol.arms)?;
         let mut all: Vec<Self> = Vec::new();
         for (i, arm) in protocol.arms.iter().enumerate() {
@@ -31,7 +32,7 @@ impl Candidate {
                 }),
             }
         }
-        let fault = |fault: &str| Err(StudyError::file(&protocol.name, fault));
+        let fault = |fault: &str| Err(error::file(&protocol.name, fault));
         if all.len() < 2 {
             return fault(
                 "there is nothing to choose from: give several values under `sweep` or `variants`, or several methods",

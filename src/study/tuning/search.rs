@@ -8,11 +8,11 @@ use serde::Serialize;
 use super::candidates::Candidate;
 use super::standing::{Standing, Verdict, standings};
 use crate::disk;
-use crate::study::error::StudyError;
+use crate::error::Error;
+use crate::study::error;
 use crate::study::protocol::Protocol;
-use crate::study::store::plan::{SEARCH, foreign, json, names};
+use crate::study::store::plan::{SEARCH, foreign, names};
 use crate::study::store::{PlannedStudy, StudyFolder};
-use crate::trial::PlanError;
 use xcs::bounds::within;
 use xcs::random::replicate_seed;
 
@@ -79,7 +79,7 @@ impl Tuning {
         protocol: Protocol,
         budget: usize,
         tasks: usize,
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Self, Error> {
         let candidates = Candidate::all(&protocol)?;
         let this = Self {
             path: path.to_owned(),
@@ -89,7 +89,7 @@ impl Tuning {
             candidates,
         };
         let least = this.rungs() * this.protocol.arms.len();
-        within("budget", budget, least..=100_000_000).map_err(PlanError::from)?;
+        within("budget", budget, least..=100_000_000)?;
         Ok(this)
     }
 
@@ -97,9 +97,9 @@ impl Tuning {
     ///
     /// # Errors
     /// When the folder contains another search or other files, or on an error of the file system.
-    pub fn stage(&self) -> Result<Stage, StudyError> {
+    pub fn stage(&self) -> Result<Stage, Error> {
         self.require_own_folder()?;
-        fs::create_dir_all(&self.path).map_err(|cause| StudyError::create(&self.path, cause))?;
+        fs::create_dir_all(&self.path).map_err(error::create(&self.path))?;
         let mut rungs: Vec<Rung> = Vec::new();
         let (mut left, mut studies) = (self.candidates.clone(), Vec::new());
         while rungs.len() < self.rungs() && left.len() > 1 {
@@ -121,7 +121,7 @@ impl Tuning {
     }
 
     /// A folder without a first rung may contain an unfinished `rung-1`, and nothing else.
-    fn require_own_folder(&self) -> Result<(), StudyError> {
+    fn require_own_folder(&self) -> Result<(), Error> {
         // List the names first: another process may continue the same search in the meantime.
         let is_empty = names(&self.path)?.iter().all(|name| name == "rung-1");
         match is_empty || PlannedStudy::is_in(&self.path.join("rung-1")) {
@@ -131,7 +131,7 @@ impl Tuning {
     }
 
     /// Returns the final between the best candidates of the last rung.
-    fn last_stage(&self, rungs: Vec<Rung>, spent: usize) -> Result<Stage, StudyError> {
+    fn last_stage(&self, rungs: Vec<Rung>, spent: usize) -> Result<Stage, Error> {
         let names = rungs.last().into_iter().flat_map(|rung| &rung.standings);
         let best: Vec<&String> = names.map(|one| &one.candidate).take(FINALISTS).collect();
         let is_best = |one: &&Candidate| best.contains(&&one.name);
@@ -152,10 +152,11 @@ impl Tuning {
             last,
         };
         let path = self.path.join(SEARCH);
-        let kept = disk::keep_or_create(&path, |file| file.write_all(&json(&found)));
-        match kept.map_err(|cause| StudyError::io(&path, cause))? {
+        let kept =
+            disk::keep_or_create(&path, |file| file.write_all(disk::json(&found).as_bytes()));
+        match kept.map_err(error::io(&path))? {
             true => Ok(Stage::Done(found)),
-            false => Err(StudyError::altered(&path)),
+            false => Err(error::altered(&path)),
         }
     }
 
@@ -177,7 +178,7 @@ impl Tuning {
         candidates: &[Candidate],
         seeds: usize,
         number: usize,
-    ) -> Result<PlannedStudy, StudyError> {
+    ) -> Result<PlannedStudy, Error> {
         let arms = candidates.iter().flat_map(|one| &one.arms);
         let mut arms: Vec<usize> = arms.copied().collect();
         arms.sort_unstable();

@@ -19,10 +19,10 @@ use histogram::Histograms;
 use panels::Panels;
 use steps::Steps;
 
+use crate::error::{Error, ErrorKind};
 use crate::page::Picture;
 use crate::picture::png;
 use crate::study::analysis::summary::{ArmRecords, ArmSummary};
-use crate::study::error::StudyError;
 use crate::study::store::StudyFolder;
 
 /// Draws the figures of a study into its folder, and returns them. `arms` are the study's
@@ -30,13 +30,13 @@ use crate::study::store::StudyFolder;
 ///
 /// # Errors
 /// When a figure cannot be drawn or written.
-pub fn draw_figures(folder: &StudyFolder, arms: &[ArmSummary]) -> Result<Vec<Picture>, StudyError> {
+pub fn draw_figures(folder: &StudyFolder, arms: &[ArmSummary]) -> Result<Vec<Picture>, Error> {
     let records = ArmRecords::all(folder);
     let panels = Panels::new(&records, folder.protocol().episodes);
     let mut pictures = Vec::new();
     let mut add = |name, caption, drawing: &dyn Drawing| {
         pictures.push(draw(folder, name, caption, drawing)?);
-        Ok::<_, StudyError>(())
+        Ok::<_, Error>(())
     };
     if panels.series.len() <= theme::MOST_SERIES {
         let caption = "When the greedy policy first became globally optimal";
@@ -66,8 +66,8 @@ fn draw(
     name: &'static str,
     caption: &'static str,
     drawing: &dyn Drawing,
-) -> Result<Picture, StudyError> {
-    let fault = |fault| StudyError::Figure { name, fault };
+) -> Result<Picture, Error> {
+    let fault = |fault: String| ErrorKind::Internal.error(format!("cannot draw {name}: {fault}"));
     let svg = canvas::svg(drawing).map_err(fault)?;
     let png = png(&svg).map_err(fault)?;
     folder.write(&format!("{name}.svg"), svg.as_bytes())?;

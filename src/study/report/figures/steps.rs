@@ -41,10 +41,7 @@ impl Cost {
                 low: arm.iqm_env_steps_low?,
                 high: arm.iqm_env_steps_high?,
             },
-            successes: Proportion {
-                successes: arm.successes,
-                trials: arm.trials,
-            },
+            successes: Proportion::new(arm.successes, arm.trials),
         })
     }
 
