@@ -124,7 +124,8 @@ impl<'a> Plane<'a> {
             };
             shapes.push(self.tile(cell, 0.5, fill));
         }
-        shapes.extend(self.marks());
+        let tile = |(cell, fill, _)| self.tile(cell, 0.06 * self.cell, fill);
+        shapes.extend(self.marked().map(tile));
         let path = frame.greedy_path.iter().map(|&cell| self.centre(cell));
         shapes.push(path_line(path.collect(), longest, 0.12 * self.cell));
         shapes.extend(self.arrows(frame));
@@ -154,30 +155,23 @@ impl<'a> Plane<'a> {
         shapes
     }
 
-    /// Returns the tiles of the start, goals and auxiliary rewards.
-    fn marks(&self) -> Vec<Element> {
-        let start = self.maze.start().map(|cell| (cell, START));
-        let goals = self.maze.goals().iter().map(|&cell| (cell, GOAL));
+    /// Returns the start, the goals and the auxiliary rewards, each with its colour and its letter.
+    fn marked(&self) -> impl Iterator<Item = (Cell, u32, &'static str)> {
+        let start = self.maze.start().map(|cell| (cell, START, "S"));
+        let goals = self.maze.goals().iter().map(|&cell| (cell, GOAL, "G"));
         let paying = self.maze.rewarding_cells().iter();
-        let paying = paying.map(|&cell| (cell, REWARD));
-        let marks = start.into_iter().chain(goals).chain(paying);
-        marks
-            .map(|(cell, fill)| self.tile(cell, 0.06 * self.cell, fill))
-            .collect()
+        let paying = paying.map(|&cell| (cell, REWARD, "*"));
+        start.into_iter().chain(goals).chain(paying)
     }
 
-    /// Returns the letters of start, goals and rewards, the title and the legend.
+    /// Returns the letters of marked cells, the title and the legend.
     fn labels(&self, animation: &Animation) -> Vec<Element> {
-        let start = self.maze.start().map(|cell| (cell, "S"));
-        let goals = self.maze.goals().iter().map(|&cell| (cell, "G"));
-        let paying = self.maze.rewarding_cells().iter().map(|&cell| (cell, "*"));
-        let letter = |(cell, text): (Cell, &str)| {
+        let letter = |(cell, _, text)| {
             let (left, top) = self.corner(cell);
             let size = 0.24 * self.cell;
             words(left + 0.1 * self.cell, top + 1.25 * size, size, INK, text)
         };
-        let marked = start.into_iter().chain(goals).chain(paying);
-        let mut shapes: Vec<Element> = marked.map(letter).collect();
+        let mut shapes: Vec<Element> = self.marked().map(letter).collect();
         shapes.push(words(MARGIN, 26.0, 17.0, INK, &animation.title));
         shapes.extend(self.legend());
         let third = self.height - FOOT + 26.0 + 48.0;

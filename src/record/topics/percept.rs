@@ -2,9 +2,9 @@
 //! neighbouring cells, and the estimated pose.
 
 use foxglove::messages::{LinePrimitive, Point3, SceneEntity, SceneUpdate};
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
 
-use super::scene::{WORLD, color, entity, indices_by_four, lines, place, point, update};
+use super::scene::{WORLD, color, entity, indices_by_four, lines, place, square, update};
 use crate::sensor::Sensor;
 use crate::world::{Cell, Direction, Maze};
 use xcs::Percept;
@@ -58,10 +58,7 @@ fn corners(maze: &Maze, percept: &Percept, kind: usize) -> Vec<Point3> {
     let framed = of_kind.flat_map(|(_, direction)| {
         let (east, south) = direction.offset();
         let middle = Point2::new(f64::from(east), f64::from(-south)) * unit;
-        [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| {
-            let corner = middle + Vector2::new(x, y) * (HALF * unit);
-            point(corner, 0.0)
-        })
+        square(middle, HALF * unit)
     });
     framed.collect()
 }

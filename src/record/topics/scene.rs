@@ -4,7 +4,7 @@ use foxglove::messages::{
     Color, CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, Pose, Quaternion, SceneEntity,
     SceneUpdate, TextPrimitive, Timestamp, TriangleListPrimitive, Vector3, line_primitive,
 };
-use nalgebra::{Point2, UnitComplex};
+use nalgebra::{Point2, UnitComplex, Vector2};
 
 use super::rounded;
 use crate::world::Maze;
@@ -147,6 +147,12 @@ pub(super) fn quads(pose: Pose, corners: Vec<Point3>, color: Color) -> TriangleL
         color: Some(color),
         colors: Vec::new(),
     }
+}
+
+/// Returns the corners of a square with this distance from its middle to its sides.
+pub(super) fn square(middle: Point2<f64>, half: f64) -> [Point3; 4] {
+    [[-half, -half], [half, -half], [half, half], [-half, half]]
+        .map(|[x, y]| point(middle + Vector2::new(x, y), 0.0))
 }
 
 /// Returns indices into points, from the indices within each four points.

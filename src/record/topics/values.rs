@@ -6,11 +6,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use foxglove::messages::{Color, LinePrimitive, Point3, SceneUpdate, line_primitive};
-use nalgebra::Vector2;
 
 use super::maze::FLOOR;
 use super::policy;
-use super::scene::{WORLD, color, entity, lines, mixed, place, point, quads, update};
+use super::scene::{WORLD, color, entity, lines, mixed, place, point, quads, square, update};
 use crate::episode::PolicyMap;
 use crate::world::{Cell, Maze};
 
@@ -23,8 +22,6 @@ const GOOD: u32 = 0x5aa9ff;
 const SHARES: [f64; 2] = [0.08, 0.78];
 /// The number of levels between these shares. Each level is a list of triangles in one colour.
 const SHADES: f64 = 8.0;
-/// The corners of a cell relative to its middle.
-const CORNERS: [[f64; 2]; 4] = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
 
 /// Mazes with more columns or rows than this are large.
 const LARGE: u16 = 12;
@@ -91,8 +88,7 @@ fn once_each(path: Vec<Cell>) -> Vec<Cell> {
 pub(in crate::record) fn scene(shown: &Floor, maze: &Maze, time_ns: u64) -> SceneUpdate {
     let mut corners: BTreeMap<Tint, Vec<Point3>> = BTreeMap::new();
     for &(cell, tint) in &shown.tints {
-        let (unit, at) = (maze.cell_size_m(), maze.centre_in_grid(cell));
-        let around = CORNERS.map(|[x, y]| point(at + Vector2::new(x, y) * unit, 0.0));
+        let around = square(maze.centre_in_grid(cell), 0.5 * maze.cell_size_m());
         corners.entry(tint).or_default().extend(around);
     }
     let mut floor = entity("values", WORLD, time_ns);
