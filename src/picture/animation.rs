@@ -14,6 +14,8 @@ use crate::world::{Cell, Maze, Paths};
 const MOST_FRAMES: usize = 45;
 /// The most cells of a maze that is drawn. The SVG of such a maze takes 145 MB.
 const MOST_CELLS: usize = 1 << 20;
+/// The most cells of a maze in a PNG file. Rendering one takes some 3 kB of memory per cell.
+const MOST_PNG_CELLS: usize = 1 << 18;
 
 /// The episodes to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +63,8 @@ impl Animation {
     /// cells.
     pub fn of(run: &Rerun, scenes: Scenes) -> Result<Self, Error> {
         let plan = &run.plan;
-        check_size(&plan.maze)?;
+        let instead = "`xcscr rules RUN --cell COL,ROW` shows what was learned in one cell";
+        check_size(&plan.maze, MOST_CELLS, "drawn", instead)?;
         let episodes = plan.config.episodes;
         let last = match scenes {
             Scenes::Last | Scenes::Forming => episodes,
@@ -100,6 +103,12 @@ impl Animation {
     /// # Errors
     /// When the picture is too large.
     pub fn png(&self) -> Result<Vec<u8>, Error> {
+        check_size(
+            &self.maze,
+            MOST_PNG_CELLS,
+            "drawn as PNG",
+            "write an .svg file",
+        )?;
         let drawing = drawing::draw(self);
         let picture = match drawing.frames.len() {
             1 => pixels::png(&drawing.document()),
@@ -110,16 +119,16 @@ impl Animation {
     }
 }
 
-fn check_size(maze: &Maze) -> Result<(), Error> {
-    let (width, height) = (usize::from(maze.width()), usize::from(maze.height()));
-    match width * height {
-        0..=MOST_CELLS => Ok(()),
-        cells => Err(ErrorKind::BadData.error(format!(
-            "cannot draw the picture: {} has {cells} cells, but at most {MOST_CELLS} can be drawn; `xcscr rules RUN --cell COL,ROW` \
-             shows what was learned in one cell",
-            maze.name()
-        ))),
+/// Rejects a maze of more than `most` cells, and suggests what to do instead.
+fn check_size(maze: &Maze, most: usize, done: &str, instead: &str) -> Result<(), Error> {
+    let cells = usize::from(maze.width()) * usize::from(maze.height());
+    if cells <= most {
+        return Ok(());
     }
+    let name = maze.name();
+    Err(ErrorKind::BadData.error(format!(
+        "cannot draw the picture: {name} has {cells} cells, but at most {most} can be {done}; {instead}"
+    )))
 }
 
 /// An observer that collects frames.
@@ -274,6 +283,23 @@ mod tests {
         for part in ["hall has 1052672 cells", "xcscr rules RUN --cell COL,ROW"] {
             assert!(refused.contains(part), "{refused}");
         }
+    }
+
+    #[test]
+    fn a_png_file_of_too_many_cells_is_refused_and_the_message_suggests_an_svg_file() {
+        let maze = hall(1024, 257);
+        let animation = Animation {
+            title: String::new(),
+            arrows: "",
+            paths: Paths::new(&maze),
+            moments: Vec::new(),
+            maze,
+        };
+        let refused = animation.png().expect_err("it has too many cells");
+        assert!(
+            refused.to_string().contains("write an .svg file"),
+            "{refused}"
+        );
     }
 
     #[test]
