@@ -134,10 +134,10 @@ fn every_field_is_explained_in_the_recording_of_the_run_or_in_its_highlights() {
     for recording in fresh() {
         let is_run = recording.path().ends_with("run.mcap");
         if is_run {
-            explained.extend(fields(&recording));
+            explained.extend(fields(recording));
             continue;
         }
-        for name in fields(&recording).keys() {
+        for name in fields(recording).keys() {
             assert!(explained.contains_key(name), "{name:?}");
             met += 1;
         }

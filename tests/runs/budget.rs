@@ -108,7 +108,7 @@ fn ten_megabytes_of_anything_need_at_most_ten_times_their_size_and_64_mib() {
         let size = 10 << 20;
         desk.write("large", piece.repeat(size / piece.len()));
         for line in readers("@large") {
-            let output = within(&desk, (10 * size as u64 >> 10) + SMALL, &line);
+            let output = within(&desk, ((10 * size as u64) >> 10) + SMALL, &line);
             let (_, stderr) = ended(&output, 65, &format!("{name}: {line}"));
             assert!(stderr.len() < 10_000, "{name}: {line}: a long message");
         }

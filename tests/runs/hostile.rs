@@ -6,6 +6,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::slice::from_ref;
 
 use crate::kit::desk::Desk;
 use crate::kit::folder::{journal, replace};
@@ -127,7 +128,7 @@ fn is_read(folder: &Path, number: Option<u32>) -> bool {
     let Ok(folder) = StudyFolder::read(folder) else {
         return false;
     };
-    if number.unwrap() % 20 == 0 && folder.require_complete().is_ok() {
+    if number.unwrap().is_multiple_of(20) && folder.require_complete().is_ok() {
         assert!(!Report::new(&folder).terminal().is_empty());
     }
     true
@@ -144,14 +145,14 @@ fn mutants_of_plans_and_journals() {
     // A journal whose end is missing is that of a study that was killed.
     let path = journal(desk.folder());
     let valid = fs::read(&path).unwrap();
-    feed(&[valid.clone()], ON_DISK, |bytes| {
+    feed(from_ref(&valid), ON_DISK, |bytes| {
         replace(&path, bytes);
         is_read(desk.folder(), numbers.next())
     });
     replace(&path, valid);
     // The checksum of a plan refuses nearly all of its mutants.
     let (path, valid) = (desk.path("plan.json"), desk.read("plan.json"));
-    feed(&[valid.clone()], ON_DISK, |bytes| {
+    feed(from_ref(&valid), ON_DISK, |bytes| {
         replace(&path, bytes);
         is_read(desk.folder(), numbers.next());
         true
@@ -315,7 +316,7 @@ fn recording(desk: &Desk) -> Vec<u8> {
 #[test]
 fn mutants_of_recordings() {
     let valid = recording(&Desk::new());
-    feed(&[valid.clone()], IN_MEMORY, |bytes| {
+    feed(from_ref(&valid), IN_MEMORY, |bytes| {
         let recording = Recording::from_bytes(Path::new("mutant.mcap"), bytes.to_vec());
         let Ok(recording) = recording else {
             return false;

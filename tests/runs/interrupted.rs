@@ -168,6 +168,9 @@ fn resuming_after(change: impl Fn(&Path)) -> (i32, String) {
     (code, ended(&output, code, "resume").1)
 }
 
+/// A change of a folder, and the exit code and words of resuming there.
+type Case<'a> = (&'a dyn Fn(&Path), i32, &'a str);
+
 #[test]
 fn a_run_is_resumed_only_from_the_files_that_it_left() {
     fn edit(folder: &Path, name: &str, from: &str, to: &str) {
@@ -183,7 +186,7 @@ fn a_run_is_resumed_only_from_the_files_that_it_left() {
         fs::remove_file(folder.join(name)).unwrap();
     }
     let (settings, world) = ("config.json", "world.json");
-    let cases: [(&dyn Fn(&Path), i32, &str); 9] = [
+    let cases: [Case<'_>; 9] = [
         (&|_| {}, 0, ""),
         // A file that is removed is written again.
         (&|run| remove(run, settings), 0, ""),
