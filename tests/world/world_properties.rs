@@ -11,11 +11,16 @@ fn rows(stream: &mut Stream, width: usize, height: usize, fixed_start: bool) -> 
     for row in &mut rows[1..=height] {
         row[1..=width].fill_with(|| if stream.chance(0.25) { b'#' } else { b'.' });
     }
+    let goals = 1 + stream.below(2);
     let mut put = |letter| rows[1 + stream.below(height)][1 + stream.below(width)] = letter;
     if fixed_start {
         put(b'S');
     }
     put(b'G');
+    // Every second world has two goals, if they are not in one cell.
+    if goals > 1 {
+        put(b'G');
+    }
     rows
 }
 
