@@ -24,8 +24,9 @@ use crate::commands::world::{self, WorldCommand};
 const EXIT_CODES: &str = "\
 Exit codes:
    0  done
-   1  a condition you asked for does not hold (--require-optimal, recording verify, failed trials,
-      a drive that does not reach the goal)
+   1  a condition you asked for does not hold (--require-optimal, recording
+      verify, failed trials, a drive that does not reach the goal), or a study
+      is unfinished
    2  wrong usage of the command line
    3  recording recover: done, but some data was lost
   65  bad input data
@@ -33,7 +34,8 @@ Exit codes:
   70  internal error: please report it
   73  cannot create the output
   74  input or output error, such as a full disk
-  75  interrupted, and a valid checkpoint was left: resume it with `train --resume`
+  75  interrupted, and the work can be continued: with `train --resume`, or by
+      the same `study` command
  130  interrupted for the second time, and ended at once";
 
 /// A mobile robot in a physics-simulated maze learns readable rules (XCS and XCSCR), and every
@@ -55,7 +57,7 @@ pub enum Command {
     Train(TrainArgs),
     /// Run the greedy policy of a finished run, without learning.
     Evaluate(EvaluateArgs),
-    /// Drive a ROS 2 robot by the learned policy.
+    /// Drive a ROS 2 robot with a learned policy.
     Drive(DriveArgs),
     /// Simulate a ROS 2 robot in a maze.
     Simulate(SimulateArgs),

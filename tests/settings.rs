@@ -10,7 +10,8 @@ use xcscr::trial::{ReadBy, Resolved, Settings};
 
 /// The page of the documentation, as the declarations have it.
 fn page() -> String {
-    let mut page = "# Settings\n\nEvery setting with its default, its range and what reads it. A setting that nothing in a run reads is refused. This page is made from the declarations in the source \
+    let mut page = "# Settings\n\nEvery setting with its default, its range and what reads it. A setting without a range is a switch, `true` or `false`, or its description gives the range. \
+        A setting that nothing in a run reads is refused. This page is made from the declarations in the source \
         (`UPDATE_DOCS=1 cargo test --test settings` writes it anew).\n"
         .to_owned();
     let resolved = Resolved::new(&Settings::default(), &[], &[]).unwrap();
@@ -27,10 +28,11 @@ fn page() -> String {
                 "| setting | default | range | read by | what it is |\n|---|---|---|---|---|";
             writeln!(page, "\n## {section}\n\n{head}").unwrap();
         }
-        let range = setting.range.as_deref().unwrap_or_default();
+        let range = setting.range.clone().or_else(|| words_of(key, &value));
+        let range = range.unwrap_or_default();
         let about = setting.about.split_whitespace().collect::<Vec<_>>();
         let about = about.join(" ").replace('|', "\\|");
-        let readers = ReadBy::of(key).unwrap();
+        let readers = ReadBy::of(key).unwrap().to_string().replace('|', "\\|");
         writeln!(
             page,
             "| `{name}` | {value} | {range} | {readers} | {about} |"
@@ -38,6 +40,18 @@ fn page() -> String {
         .unwrap();
     }
     page
+}
+
+/// The values of a setting that is a word, as the refusal of any other word lists them.
+fn words_of(key: &str, value: &str) -> Option<String> {
+    if !value.starts_with('"') {
+        return None;
+    }
+    let set = [format!("{key}=other")];
+    let refusal = Resolved::new(&Settings::default(), &[], &set).unwrap_err();
+    let refusal = refusal.to_string();
+    let (_, allowed) = refusal.split_once("but must be ").unwrap();
+    Some(allowed.replace("one of ", ""))
 }
 
 #[test]

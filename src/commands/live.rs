@@ -23,13 +23,12 @@ const VIEWER_WAIT: Duration = Duration::from_secs(60);
 /// Arguments of commands that can stream.
 #[derive(Debug, clap::Args)]
 pub struct LiveArgs {
-    /// Stream to a viewer on this machine (needs a build with `--features live`). A replay waits
-    /// for a viewer and pauses while there is none. Training waits a minute for a viewer. While a
-    /// viewer is connected, training keeps to the speed; otherwise it runs as fast as possible.
-    /// Pages of Foxglove and Lichtblick may connect; `--allow-origin` adds those of another viewer.
+    /// Stream to a viewer on this machine (needs a build with `--features live`). The replay waits
+    /// for a viewer and pauses while there is none. Pages of Foxglove and Lichtblick may connect;
+    /// `--allow-origin` adds those of another viewer.
     #[arg(long)]
     live: bool,
-    /// Speed of the stream relative to real time [default: 1 for replays, 10 for training].
+    /// Speed of the stream relative to real time [default: 1].
     #[arg(long, value_name = "X", requires = "live", value_parser = speed)]
     speed: Option<f64>,
     /// Also let pages of this origin read the served or streamed data, such as

@@ -23,6 +23,11 @@ use super::replay::browser;
 use super::terminal::{file_link, say};
 use super::train_report::TrainReport;
 
+const LIVE_HELP: &str = "Stream to a viewer on this machine (needs a build with `--features live`). \
+    The training waits a minute for a viewer. While one is connected, the training keeps to the \
+    speed; otherwise it runs as fast as possible. Pages of Foxglove and Lichtblick may connect; \
+    `--allow-origin` adds those of another viewer";
+const SPEED_HELP: &str = "Speed of the stream relative to real time [default: 10]";
 /// The options that cannot be changed once a run has begun.
 const CHOICES: [&str; 12] = [
     "world", "method", "arena", "sensor", "episodes", "seed", "out", "force", "robot", "config",
@@ -31,8 +36,9 @@ const CHOICES: [&str; 12] = [
 
 /// Arguments of `train`.
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("live", |arg| arg.help(LIVE_HELP)), mut_arg("speed", |arg| arg.help(SPEED_HELP)))]
 pub struct TrainArgs {
-    /// World file, such as worlds/maze4.json.
+    /// World file, or the name of a bundled world such as maze4.
     #[arg(required_unless_present = "resume")]
     world: Option<PathBuf>,
     /// Learning method.

@@ -59,9 +59,9 @@ settings! {
         nearest_m: f64 = 0.12, in 0.0..=1.0;
         /// Longest range that is measured, in m. Nothing comes back from farther away.
         range_m: f64 = 8.0, in 1.0..=100.0;
-        /// Deviation of a range in m ...
+        /// Constant part of the deviation of a range, in m. `noise_share` is the other part.
         noise_m: f64 = 0.005, in 0.0..=0.05;
-        /// ... plus this share of the range.
+        /// Part of the deviation of a range that grows with it, as a share of the range.
         noise_share: f64 = 0.01, in 0.0..=0.05;
         /// Deviation of the scale, drawn once for each robot.
         scale: f64 = 0.01, in 0.0..=0.05;
@@ -189,10 +189,10 @@ settings! {
         /// Deviation by which the bias of the gyro may change in a second, in rad/s. The deviation
         /// grows with the square root of the time. At 0 the filter does not follow a drifting gyro.
         gyro_walk_radps: f64 = 0.0005, in 0.0..=0.1;
-        /// Wheels slip if they disagree with the gyro by more than this, in m/s, beyond their noise
-        /// ...
+        /// Difference in m/s between wheels and gyro, beyond their noise, above which the wheels
+        /// count as slipping.
         slip_mps: f64 = 0.2, in 0.002..=10.0;
-        /// ... and the floor is treated as slippery for this long afterwards, in s.
+        /// Time in s for which the floor is treated as slippery after wheel slip is detected.
         slip_s: f64 = 2.0, in 0.0..=60.0;
     }
 }

@@ -91,11 +91,14 @@ settings! {
         /// Divide the value by the fitness of all of \[M\], as Eq. 6 is printed in the paper. XCS
         /// divides by the fitness of the rules with the action.
         value_over_match_set: bool = false;
-        /// Whether a rule's error or prediction is updated first.
+        /// Whether a rule's error (`error-first`) or its prediction (`prediction-first`) is updated
+        /// first.
         update_order: UpdateOrder = UpdateOrder::ErrorFirst;
-        /// Which of several equally general rules subsumes the others of \[A\].
+        /// Which of several equally general rules subsumes the others of \[A\]. `first`: the first
+        /// one in \[P\]. `random`: each further rule replaces the choice with probability 1/2.
         subsumer_ties: SubsumerTies = SubsumerTies::First;
-        /// Which steps the GA's clock counts.
+        /// Which steps the GA's clock counts. `all-steps`: all. `evolving-steps`: only steps in which
+        /// the GA may run.
         ga_clock: GaClock = GaClock::AllSteps;
     }
 }

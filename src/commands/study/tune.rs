@@ -18,7 +18,7 @@ use crate::commands::interrupt::Interrupt;
 pub struct TuneArgs {
     #[command(flatten)]
     choice: ChoiceArgs,
-    /// Total number of trials of the search, without those of the final.
+    /// Total number of trials of the search, without the final comparison.
     #[arg(long, value_name = "N")]
     budget: usize,
     /// Folder of the search.

@@ -62,11 +62,14 @@ settings! {
         /// r_l for a failure. The paper gives 0 (section II-C), but figures 2 and 5 show values
         /// below 0, and the text mentions negative long-term rewards.
         failure: f64 = 0.0, in -1e6..=0.0;
-        /// Rewards of `xcs` and `xcsam`.
+        /// Rewards of `xcs` and `xcsam`. `all`: the reward of each step, and that of the goal at the
+        /// end. `final`: only the reward at the end.
         xcs_payment: XcsPayment = XcsPayment::All;
-        /// How `xcs` and `xcsam` treat the step limit.
+        /// What `xcs` and `xcsam` learn at the step limit. `failure`: the last \[A\] is updated
+        /// without a successor. `dropped`: the last \[A\] is not updated.
         xcs_step_limit: StepLimitUpdate = StepLimitUpdate::Failure;
-        /// When the GA runs in methods with a reward stack.
+        /// When the GA runs in methods with a reward stack. `after-credit`: after the episode.
+        /// `each-step`: in each step, before its reward is known.
         stack_evolution: StackEvolution = StackEvolution::AfterCredit;
         /// r_s of a step (paper, section II-C).
         step: f64 = -1.0, in -1e6..=0.0;
@@ -78,13 +81,14 @@ settings! {
         /// c of Eq. 8, in steps. At 0 it is the length of the shortest success so far in the trial,
         /// so that the best path gets full shares.
         even_constant: f64 = 0.0, in 0.0..=1e6;
-        /// The initial step-threshold: the maximum number of steps of an episode. The paper does
-        /// not print its value.
+        /// The initial step limit: the maximum number of steps of an episode. The paper calls it the
+        /// step-threshold and does not print its value.
         step_threshold: u32 = 50, in 1..=1_000_000;
-        /// Raise the step-threshold to four times the longest shortest path of the maze if
+        /// Raise the step limit to four times the longest shortest path of the maze if
         /// `step_threshold` is lower. Setting `step_threshold` turns this off.
         step_threshold_from_maze: bool = true;
-        /// How `xcscr` shares out the long-term reward.
+        /// How `xcscr` shares the reward of an episode among its steps. `even`: equally.
+        /// `discounted`: less for steps further from the end.
         sharing: Sharing = Sharing::Discounted;
         /// theta_rs: the short-term filter applies to rewards up to this value (Alg. 1).
         theta_rs: f64 = -50.0, in -1e6..=0.0;
@@ -98,8 +102,8 @@ settings! {
         /// (section III-A) and learns punishments with 0.05 (section III-C). The paper learns
         /// everything else with 0.2.
         beta_collision: f64 = 0.2, in 1e-6..=1.0;
-        /// beta of Eq. 10, with which the step-threshold moves toward a success. 0.2 is the rate
-        /// after a success.
+        /// beta of Eq. 10, with which the step limit moves toward the length of a success. 0.2 is
+        /// the rate after a success.
         beta_step_threshold: f64 = 0.2, in 1e-6..=1.0;
         /// Enable the short-term reward filter of `xcscr`.
         short_term_filter: bool = true;
@@ -107,7 +111,7 @@ settings! {
         imprinting: bool = true;
         /// Enable learning-rate switching in `xcscr`. Without it, all updates use `xcs.beta`.
         learning_rate_switching: bool = true;
-        /// Enable learning of the step-threshold in `xcscr`.
+        /// Enable learning of the step limit in `xcscr`.
         learning_step_threshold: bool = true;
     }
 }

@@ -34,8 +34,8 @@ settings! {
     /// two gains and the turn were then chosen so that noise 3 causes no wrong outcome (120,000
     /// random moves in three mazes).
     pub struct PhysicsParams {
-        /// Noise level. Multiplies the four deviations below, and all deviations and rates of the
-        /// sensors. 0 switches noise off.
+        /// Noise level. Multiplies `wheel_bias`, `wheel_noise`, `position_noise_m`,
+        /// `heading_noise_rad`, and all deviations and rates of the sensors. 0 switches noise off.
         noise: f64 = 1.0, in 0.0..=5.0;
         /// Integrate steps that touch no wall in closed form. Faster, with bit-identical results.
         shortcut: bool = true;
@@ -70,13 +70,16 @@ settings! {
         deceleration_mps2: f64 = 3.09;
         /// Angular deceleration at the end of a turn in rad/s^2.
         turn_deceleration_radps2: f64 = 12.0, in 0.2..=30.0;
-        /// The robot has arrived when it is this close to the target, in m ...
+        /// Distance from the target in m below which a move can end. The robot must also be slower
+        /// than `arrival_mps`.
         arrival_m: f64 = 0.034, in 0.002..=0.2;
-        /// ... and slower than this, in m/s.
+        /// Speed in m/s below which a move can end. The robot must also be within `arrival_m`.
         arrival_mps: f64 = 0.57, in 0.01..=2.0;
-        /// A turn ends when the heading error (a sine) is below this ...
+        /// Heading error (a sine) below which a turn can end. The turn rate must also be below
+        /// `aligned_radps`.
         aligned: f64 = 0.167, in 0.02..=0.4;
-        /// ... and the turn rate is below this, in rad/s.
+        /// Turn rate in rad/s below which a turn can end. The heading error must also be below
+        /// `aligned`.
         aligned_radps: f64 = 1.73, in 0.05..=5.0;
         /// Time limit of an action in s. With the defaults a move takes 1.2 s in a cell of 1 m.
         time_out_s: f64 = 10.0, in 0.05..=600.0;
@@ -88,7 +91,8 @@ settings! {
         position_noise_m: f64 = 0.01, in 0.0..=0.03;
         /// Deviation of a measured heading in rad.
         heading_noise_rad: f64 = 0.02, in 0.0..=0.1;
-        /// How the robot is localised: `told` (its true pose with the noise above) or `estimated`.
+        /// How the robot is localised: `told` (its true pose with `position_noise_m` and
+        /// `heading_noise_rad`) or `estimated` (from its sensors).
         localisation: Localisation = Localisation::Told;
         /// The lidar.
         lidar: LidarParams = LidarParams::default();
