@@ -43,6 +43,10 @@ pub struct DriveArgs {
     /// The frame of scans [default: base_scan, laser, laser_frame or base_link].
     #[arg(long, value_name = "NAME")]
     scan_frame: Option<String>,
+    /// Scans list their beams from the last to the first, and their stamp is the time of the last
+    /// one. Needed for the LDS-01 and the LDS-02 of the TurtleBot3.
+    #[arg(long)]
+    reversed_scans: bool,
     /// Take the time from /clock, for a simulated robot.
     #[arg(long)]
     sim_time: bool,
@@ -75,6 +79,7 @@ impl DriveArgs {
             start: self.start,
             laser: self.laser,
             frames,
+            reversed_scans: self.reversed_scans,
         };
         Ok(DriveSetup::new(&plan, &knowledge, options)?)
     }

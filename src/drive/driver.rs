@@ -1,5 +1,7 @@
 //! The state machine that drives a robot with a policy.
 
+use std::borrow::Cow;
+
 use nalgebra::{Isometry2, Matrix3};
 use xcscr_sensing::Readings as StepOfSensors;
 
@@ -155,7 +157,11 @@ impl Driver {
     ///
     /// Call this when readings arrive, and at least every 50 ms.
     pub fn step(&mut self, steady_ns: u64, readings: &Readings) -> DriverStep {
-        let watched = self.watch.step(steady_ns, readings);
+        let readings = match self.setup.reversed_scans {
+            true => Cow::Owned(readings.with_reversed_scans()),
+            false => Cow::Borrowed(readings),
+        };
+        let watched = self.watch.step(steady_ns, &readings);
         self.take_in(&watched);
         let mut faults = watched.faults;
         if self.last_fault.is_none() {

@@ -20,6 +20,8 @@ pub enum Fault {
     },
     /// A scan is this many seconds newer than odometry, or older if negative.
     ClocksDisagree(f64),
+    /// The last beam of a scan is this many seconds newer than odometry.
+    ScanAhead(f64),
     /// This share of a scan's ranges is not a number, or the scan has no ranges.
     InvalidRanges(f64),
     /// A pose or a speed is not a number.
@@ -78,6 +80,7 @@ impl Fault {
             | Self::NoOdometry(_)
             | Self::NoClock(_)
             | Self::ClocksDisagree(_)
+            | Self::ScanAhead(_)
             | Self::InvalidRanges(_)
             | Self::InvalidOdometry
             | Self::WrongFrame { .. }
@@ -95,6 +98,7 @@ impl Fault {
             Self::NoClock(_) => "no-clock",
             Self::ClockJumped { .. } => "clock-jumped",
             Self::ClocksDisagree(_) => "clocks-disagree",
+            Self::ScanAhead(_) => "scan-ahead",
             Self::InvalidRanges(_) => "invalid-ranges",
             Self::InvalidOdometry => "invalid-odometry",
             Self::WrongFrame { .. } => "wrong-frame",
@@ -122,6 +126,11 @@ impl fmt::Display for Fault {
             Self::ClocksDisagree(by_s) => write!(
                 to,
                 "the stamps of /scan are {by_s:.2} s off the stamps of /odom; synchronise the clocks"
+            ),
+            Self::ScanAhead(by_s) => write!(
+                to,
+                "the last beam of /scan is {by_s:.2} s newer than /odom; if the stamp is that of the last beam, pass \
+                 --reversed-scans"
             ),
             Self::InvalidRanges(share) => write!(
                 to,

@@ -33,13 +33,9 @@ impl Obstacles {
     /// Stores the end points of a scan's beams.
     pub fn see(&mut self, scan: &Scan, timeline: &Timeline, laser_in_base: &Isometry2<f64>) {
         self.points.clear();
-        for (number, &range_m) in scan.ranges_m.iter().enumerate() {
-            let range_m = match range_m {
-                near_m if near_m < scan.range_min_m => scan.range_min_m,
-                range_m if range_m <= scan.range_max_m => range_m,
-                _ => continue,
-            };
-            let Some(base) = timeline.pose_at(beam_time_ns(scan, number)) else {
+        for number in 0..scan.ranges_m.len() {
+            let base = timeline.pose_at(beam_time_ns(scan, number));
+            let (Some(range_m), Some(base)) = (scan.measured_m(number), base) else {
                 continue;
             };
             let angle_rad = scan.angle_min_rad + number as f64 * scan.angle_increment_rad;

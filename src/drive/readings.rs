@@ -25,7 +25,7 @@ pub struct Scan {
     /// The maximum measured range.
     pub range_max_m: f64,
     /// The ranges. By REP 117, infinity means no return, minus infinity an object that is too near,
-    /// and NaN no measurement.
+    /// and NaN no measurement. The driver of the LDS-01 sends 0 for no return.
     pub ranges_m: Vec<f64>,
 }
 
@@ -42,6 +42,32 @@ impl Scan {
             range_min_m: lidar.nearest_m,
             range_max_m: lidar.range_m,
             ranges_m,
+        }
+    }
+
+    /// Returns the range of a beam, with [`range_min_m`](Self::range_min_m) for an object that is
+    /// nearer; `None` if nothing came back or nothing was measured.
+    pub fn measured_m(&self, number: usize) -> Option<f64> {
+        let range_m = *self.ranges_m.get(number)?;
+        // The driver of the LDS-01 sends 0 if nothing came back.
+        if range_m == 0.0 || range_m.is_nan() || range_m > self.range_max_m {
+            return None;
+        }
+        Some(range_m.max(self.range_min_m))
+    }
+
+    /// Returns the scan in chronological order if its beams are listed from the last to the first,
+    /// and its stamp is the time of the last one.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        let last = self.ranges_m.len().saturating_sub(1) as f64;
+        let turn_ns = (last * self.time_increment_s.max(0.0) * 1e9).round() as u64;
+        Self {
+            stamp_ns: self.stamp_ns.saturating_sub(turn_ns),
+            angle_min_rad: self.angle_min_rad + last * self.angle_increment_rad,
+            angle_increment_rad: -self.angle_increment_rad,
+            ranges_m: self.ranges_m.iter().rev().copied().collect(),
+            ..self.clone()
         }
     }
 }
@@ -93,4 +119,15 @@ pub struct Readings {
     pub clock_ns: Option<u64>,
     /// The state of the network.
     pub network: Network,
+}
+
+impl Readings {
+    /// Returns the readings with [reversed](Scan::reversed) scans.
+    #[must_use]
+    pub fn with_reversed_scans(&self) -> Self {
+        Self {
+            scans: self.scans.iter().map(Scan::reversed).collect(),
+            ..self.clone()
+        }
+    }
 }

@@ -23,6 +23,7 @@ pub struct DriveSetup {
     pub(super) start_in_grid: Isometry2<f64>,
     pub(super) laser_in_base: Isometry2<f64>,
     pub(super) frames: Frames,
+    pub(super) reversed_scans: bool,
 }
 
 /// Differences between a drive and the run whose policy it uses.
@@ -39,6 +40,9 @@ pub struct DriveOptions {
     pub laser: [f64; 3],
     /// The expected frames of messages.
     pub frames: Frames,
+    /// Scans list their beams from the last to the first, and their stamp is the time of the last
+    /// one. The drivers of the LDS-01 and the LDS-02 do so.
+    pub reversed_scans: bool,
 }
 
 impl DriveSetup {
@@ -81,6 +85,7 @@ impl DriveSetup {
             start_in_grid: start(&maze, options.start)?,
             laser_in_base: pose(options.laser),
             frames: options.frames,
+            reversed_scans: options.reversed_scans,
             sensor: config.sensor,
             step_threshold: config.settings.reward.step_threshold,
             seed: config.seed,

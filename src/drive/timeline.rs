@@ -119,8 +119,8 @@ impl Timeline {
 
     /// Adds a lidar turn, which must be newer than all earlier turns.
     pub fn add_scan(&mut self, scan: &Scan) {
-        for (number, &range_m) in scan.ranges_m.iter().enumerate() {
-            let (bearing, range_m) = self.beam(scan, number, range_m);
+        for number in 0..scan.ranges_m.len() {
+            let (bearing, range_m) = self.beam(scan, number);
             self.beams.push_back(Beam {
                 time_ns: beam_time_ns(scan, number),
                 number: number as u32,
@@ -137,19 +137,17 @@ impl Timeline {
 
     /// Returns the direction of a beam relative to the robot's heading, and its range from the
     /// robot's centre.
-    fn beam(&self, scan: &Scan, number: usize, range_m: f64) -> (UnitComplex<f64>, Option<f64>) {
+    fn beam(&self, scan: &Scan, number: usize) -> (UnitComplex<f64>, Option<f64>) {
         let angle_rad = scan.angle_min_rad + number as f64 * scan.angle_increment_rad;
         let (sine, cosine) = libm::sincos(angle_rad);
         let direction = self.laser_in_base.rotation * Vector2::new(cosine, sine);
         let bearing =
             |v: Vector2<f64>| UnitComplex::new_normalize(nalgebra::Complex::new(v.x, v.y));
-        if range_m == f64::NEG_INFINITY || (range_m < scan.range_min_m && range_m >= 0.0) {
-            return (bearing(direction), Some(f64::NEG_INFINITY));
-        }
-        // NaN means no measurement.
-        let is_measured = range_m <= scan.range_max_m;
-        if !is_measured {
+        let Some(range_m) = scan.measured_m(number) else {
             return (bearing(direction), None);
+        };
+        if scan.ranges_m[number] < scan.range_min_m {
+            return (bearing(direction), Some(f64::NEG_INFINITY));
         }
         let end = self.laser_in_base.translation.vector + range_m * direction;
         let far_m = end.norm();

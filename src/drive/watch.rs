@@ -2,6 +2,7 @@
 
 use super::fault::Fault;
 use super::readings::{Imu, Odometry, Readings, Scan};
+use super::timeline::beam_time_ns;
 use crate::arena::LidarParams;
 
 const SECOND_NS: f64 = 1e9;
@@ -218,7 +219,7 @@ impl Watch {
     }
 
     fn accepts_scan(&mut self, scan: &Scan, arrived_ns: u64) -> bool {
-        self.scan_fault = self.fault_of_scan(scan);
+        self.scan_fault = self.fault_of_scan(scan, arrived_ns);
         if self.scan_fault.is_some() {
             return false;
         }
@@ -233,7 +234,7 @@ impl Watch {
         is_newer
     }
 
-    fn fault_of_scan(&self, scan: &Scan) -> Option<Fault> {
+    fn fault_of_scan(&self, scan: &Scan, arrived_ns: u64) -> Option<Fault> {
         let beams = scan.ranges_m.len();
         let invalid = scan.ranges_m.iter().filter(|range| range.is_nan()).count();
         if invalid as f64 > INVALID * beams as f64 || beams == 0 {
@@ -260,6 +261,14 @@ impl Watch {
         {
             let by_s = (scan.stamp_ns as f64 - odometry.stamp_ns as f64) / SECOND_NS;
             return Some(Fault::ClocksDisagree(by_s));
+        }
+        if let Some(odometry) = self.odometry {
+            let passed_ns = arrived_ns.saturating_sub(odometry.arrived_ns);
+            let last_ns = beam_time_ns(scan, beams - 1);
+            let ahead_ns = last_ns.saturating_sub(odometry.stamp_ns + passed_ns);
+            if ahead_ns > ODOMETRY_AGE_NS {
+                return Some(Fault::ScanAhead(ahead_ns as f64 / SECOND_NS));
+            }
         }
         frame_fault("/scan", &scan.frame, &self.frames.scan)
     }

@@ -1,6 +1,7 @@
 //! The driver and the simulated robot in lockstep.
 
 mod faults;
+mod scans;
 
 use std::f64::consts::FRAC_PI_2;
 

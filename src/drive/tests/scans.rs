@@ -1,0 +1,103 @@
+//! Scans as the drivers of the TurtleBot3 publish them.
+
+use super::*;
+
+/// Creates a TurtleBot3 Burger in a maze. Its lidar has a range of 3.5 m.
+fn burger(seed: u64, options: DriveOptions) -> Rig {
+    let (mut plan, knowledge) = policy(maze4(), |_| false);
+    let profile = RobotProfile::load("turtlebot3-burger").unwrap();
+    plan.config.settings = profile.settings_over(&plan.config.settings).unwrap();
+    let physics = plan.config.settings.physics.clone();
+    let setup = DriveSetup::new(&plan, &knowledge, options).unwrap();
+    Rig {
+        robot: SimulatedRobot::new(maze4(), &physics, seed, None).unwrap(),
+        driver: Driver::new(setup),
+        now_ns: 7_000_000_000,
+    }
+}
+
+/// Replaces infinity by 0, as the LDS-01 does. Returns the number of zeros.
+fn zeros(readings: &mut Readings) -> usize {
+    let ranges = readings
+        .scans
+        .iter_mut()
+        .flat_map(|scan| &mut scan.ranges_m);
+    let nothing = ranges.filter(|range| **range == f64::INFINITY);
+    nothing.map(|range| *range = 0.0).count()
+}
+
+/// Lists the beams of a scan from the last to the first, with the time of the last one as the stamp.
+fn reverse(readings: &mut Readings) {
+    for scan in &mut readings.scans {
+        let turn_ns = 359.0 * scan.time_increment_s * 1e9;
+        let backward = scan.reversed();
+        *scan = Scan {
+            stamp_ns: scan.stamp_ns + turn_ns.round() as u64,
+            ..backward
+        };
+    }
+}
+
+/// Drives to the end with tampered readings. Returns the last step.
+fn drive_with(rig: &mut Rig, mut tamper: impl FnMut(&mut Readings)) -> DriverStep {
+    for _ in 0..8_000 {
+        let step = rig.tick(&mut tamper);
+        let has_failed = step.faults.iter().any(Fault::is_final);
+        if step.phase == Phase::AtGoal || has_failed {
+            return step;
+        }
+    }
+    panic!("not over after 400 s");
+}
+
+#[test]
+fn a_range_of_zero_is_no_return() {
+    let mut none = 0;
+    for seed in 1..=3 {
+        let mut plain = burger(seed, DriveOptions::default());
+        let infinite = drive_with(&mut plain, |_| ());
+        let mut rig = burger(seed, DriveOptions::default());
+        let zero = drive_with(&mut rig, |readings| none += zeros(readings));
+        assert_eq!(zero, infinite, "seed {seed}");
+        assert_eq!(zero.phase, Phase::AtGoal, "seed {seed}");
+    }
+    assert!(none > 1_000, "control: {none}");
+}
+
+#[test]
+fn a_range_below_the_minimum_is_an_obstacle_and_zero_is_not() {
+    let scan = Scan {
+        range_min_m: 0.12,
+        range_max_m: 3.5,
+        ranges_m: vec![0.0, -0.0, 0.05, f64::NEG_INFINITY, 0.12, 3.5, 3.6, f64::NAN],
+        ..Scan::default()
+    };
+    let near = Some(0.12);
+    let measured: Vec<_> = (0..9).map(|number| scan.measured_m(number)).collect();
+    let expected = [None, None, near, near, near, Some(3.5), None, None, None];
+    assert_eq!(measured, expected);
+}
+
+#[test]
+fn scans_of_the_lds_01_need_an_option_and_reach_the_goal_with_it() {
+    let as_published = |readings: &mut Readings| {
+        zeros(readings);
+        reverse(readings);
+    };
+    for seed in 1..=3 {
+        let options = DriveOptions {
+            reversed_scans: true,
+            ..DriveOptions::default()
+        };
+        let step = drive_with(&mut burger(seed, options), as_published);
+        assert_eq!(step.phase, Phase::AtGoal, "seed {seed}: {step:?}");
+    }
+    let mut rig = burger(1, DriveOptions::default());
+    for _ in 0..40 {
+        let step = rig.tick(as_published);
+        assert_eq!(step.command, Speeds::default(), "{step:?}");
+    }
+    let faults = rig.tick(as_published).faults;
+    let is_ahead = |fault: &Fault| fault.name() == "scan-ahead";
+    assert!(faults.iter().any(is_ahead), "{faults:?}");
+}
