@@ -67,7 +67,7 @@ impl Knowledge {
             Self::Remembering { map, .. } => {
                 self.tracked_values(&Tracker::at_start(map, percept), actions)
             }
-            Self::Planned(plan) => plan.values(&Tracker::at_start(plan.map(), percept), actions),
+            Self::Planned(plan) => plan.values(&Tracker::at_start(&plan.map, percept), actions),
             Self::Table(table) => {
                 let mut array = PredictionArray::new(actions);
                 let row = table.get(percept).map_or(&[][..], Vec::as_slice);
@@ -129,7 +129,7 @@ impl Knowledge {
     pub(super) fn map(&self) -> Option<&Map> {
         match self {
             Self::Remembering { map, .. } => Some(map),
-            Self::Planned(plan) => Some(plan.map()),
+            Self::Planned(plan) => Some(&plan.map),
             _ => None,
         }
     }
@@ -192,7 +192,7 @@ impl Knowledge {
     pub fn len(&self) -> usize {
         match self {
             Self::Table(table) => table.values().flatten().flatten().count(),
-            Self::Planned(plan) => plan.beliefs(),
+            Self::Planned(plan) => plan.planner.beliefs(),
             _ => self.rules().map_or(0, Population::len),
         }
     }

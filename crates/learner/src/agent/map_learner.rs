@@ -311,7 +311,8 @@ impl Agent for MapLearner {
                 map,
             },
             PolicyKind::Plan => {
-                Knowledge::Planned(BeliefPlan::new(map, self.learned.planner.clone()))
+                let planner = self.learned.planner.clone();
+                Knowledge::Planned(BeliefPlan { map, planner })
             }
         }
     }

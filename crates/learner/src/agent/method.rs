@@ -7,6 +7,7 @@ use crate::agent::estimator::map::Vision;
 use crate::agent::map_learner::MapLearner;
 use crate::agent::percept_learner::PerceptLearner;
 use crate::agent::policy::PolicyKind;
+use crate::agent::tabular::Algorithm;
 use crate::agent::{
     Agent, Combined, Estimator, Knowledge, MapParams, Params, PlusParams, Sharing, Standard,
     Tabular, TabularParams,
@@ -136,6 +137,14 @@ impl Method {
             let percept = PerceptLearner::new(rules, ring, reward, plus, planning());
             Box::new(Composed::new(estimator, percept, map))
         };
+        let table = |algorithm| -> Box<dyn Agent> {
+            Box::new(Tabular::new(
+                algorithm,
+                actions,
+                reward.clone(),
+                tabular.clone(),
+            ))
+        };
         match self {
             Self::Xcs => Box::new(Standard::new(learner(), reward)),
             Self::Xcsam => Box::new(Standard::new(learner().with_adaptive_mapping(), reward)),
@@ -153,12 +162,9 @@ impl Method {
             }
             Self::XcscrPlus => composed(reward, PolicyKind::Rules),
             Self::RMax => composed(reward, PolicyKind::Plan),
-            Self::QLearning => Box::new(Tabular::q_learning(actions, reward, tabular)),
-            Self::SarsaLambda => Box::new(Tabular::sarsa_lambda(actions, reward, tabular)),
-            Self::DynaQ => {
-                let replay = stream(StreamName::Replay);
-                Box::new(Tabular::dyna_q(actions, reward, tabular, replay))
-            }
+            Self::QLearning => table(Algorithm::QLearning),
+            Self::SarsaLambda => table(Algorithm::sarsa_lambda()),
+            Self::DynaQ => table(Algorithm::dyna_q(stream(StreamName::Replay))),
         }
     }
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::agent::model::pomdp::{GOAL, Pomdp};
 use crate::agent::model::slips::each_other;
-use xcs::{Action, Percept};
+use xcs::Action;
 
 /// States less likely than this are dropped.
 pub const NEGLIGIBLE: f64 = 1e-4;
@@ -48,7 +48,12 @@ impl Belief {
 
     /// Returns the results of an action by percept. The goal is left out: nothing is perceived there.
     pub fn branches(&self, pomdp: &Pomdp, action: Action) -> Vec<Branch> {
-        let mut reached = self.reached(pomdp, action);
+        let mut reached = Vec::with_capacity(self.0.len() * 2);
+        self.each_move(pomdp, action, |_, next, weight| {
+            if next != GOAL && weight > 0.0 {
+                reached.push((pomdp.look(next), next, weight));
+            }
+        });
         reached.sort_unstable_by_key(|&(look, state, _)| (look, state));
         reached
             .chunk_by(|a, b| a.0 == b.0)
@@ -58,17 +63,6 @@ impl Belief {
                 belief: Self::merged(alike).normalised(),
             })
             .collect()
-    }
-
-    /// Returns percept, state and probability of each result of an action. States can appear twice.
-    fn reached(&self, pomdp: &Pomdp, action: Action) -> Vec<(u32, u32, f64)> {
-        let mut reached = Vec::with_capacity(self.0.len() * 2);
-        self.each_move(pomdp, action, |_, next, weight| {
-            if next != GOAL && weight > 0.0 {
-                reached.push((pomdp.look(next), next, weight));
-            }
-        });
-        reached
     }
 
     /// Visits every state and successor with their joint probability.
@@ -88,17 +82,23 @@ impl Belief {
         }
     }
 
-    /// Returns the belief after an action and before the next percept. `stayed` says whether the robot
-    /// stayed in its cell, if known.
-    pub fn expected(&self, pomdp: &Pomdp, action: Action, stayed: Option<bool>) -> Self {
+    /// Returns the belief after an action. Only moves that are `possible`, from one state to another, count.
+    /// Empty if none is.
+    pub fn after(
+        &self,
+        pomdp: &Pomdp,
+        action: Action,
+        possible: impl Fn(u32, u32) -> bool,
+    ) -> Self {
         let mut reached = Vec::with_capacity(self.0.len());
         self.each_move(pomdp, action, |state, next, weight| {
-            if next != GOAL && weight > 0.0 && stayed.is_none_or(|stayed| (next == state) == stayed)
-            {
+            if next != GOAL && weight > 0.0 && possible(state, next) {
                 reached.push((0, next, weight));
             }
         });
-        Self::of_reached(reached)
+        // In state order, so that sums are the same on every machine.
+        reached.sort_by_key(|&(_, state, _)| state);
+        Self::merged(&reached).normalised()
     }
 
     /// Returns the belief after a percept that fits each of `states` states with likelihood `fits`. With
@@ -136,12 +136,6 @@ impl Belief {
         cost
     }
 
-    /// Returns the belief after these results, in state order, so that sums are the same on every machine.
-    fn of_reached(mut reached: Vec<(u32, u32, f64)>) -> Self {
-        reached.sort_by_key(|&(_, state, _)| state);
-        Self::merged(&reached).normalised()
-    }
-
     fn merged(alike: &[(u32, u32, f64)]) -> Self {
         let mut states: Vec<(u32, f64)> = Vec::with_capacity(alike.len());
         for &(_, state, weight) in alike {
@@ -151,16 +145,6 @@ impl Belief {
             }
         }
         Self(states)
-    }
-
-    /// Returns the belief after an action and a percept; empty if the percept was impossible.
-    pub fn after(&self, pomdp: &Pomdp, action: Action, percept: &Percept) -> Self {
-        let Some(look) = pomdp.look_of(percept) else {
-            return Self::default();
-        };
-        let mut reached = self.reached(pomdp, action);
-        reached.retain(|one| one.0 == look);
-        Self::of_reached(reached)
     }
 
     fn normalised(mut self) -> Self {

@@ -11,8 +11,8 @@ use xcs::PredictionArray;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ReadPlan")]
 pub struct BeliefPlan {
-    map: Map,
-    planner: BeliefPlanner,
+    pub map: Map,
+    pub planner: BeliefPlanner,
 }
 
 /// A plan as read from a file, not yet validated.
@@ -36,21 +36,6 @@ impl TryFrom<ReadPlan> for BeliefPlan {
 }
 
 impl BeliefPlan {
-    /// Creates a plan from a map and the planner on it.
-    pub fn new(map: Map, planner: BeliefPlanner) -> Self {
-        Self { map, planner }
-    }
-
-    /// Returns the map.
-    pub fn map(&self) -> &Map {
-        &self.map
-    }
-
-    /// Returns the number of beliefs with planned costs.
-    pub fn beliefs(&self) -> usize {
-        self.planner.beliefs()
-    }
-
     /// Continues planning for the tracked belief.
     pub fn plan_for(&mut self, tracker: &Tracker) {
         plan_for(&mut self.planner, &self.map, tracker);

@@ -26,7 +26,7 @@ use xcscr_robot::arena::Outcome;
 
 /// The algorithms that learn a table of values (Sutton and Barto 2018).
 #[derive(Debug, Clone, Serialize, Deserialize)]
-enum Algorithm {
+pub(in crate::agent) enum Algorithm {
     /// Learns toward the reward plus the best next value.
     QLearning,
     /// Learns toward the reward plus the value of the next action actually chosen.
@@ -36,17 +36,22 @@ enum Algorithm {
 }
 
 impl Algorithm {
-    /// Returns the remembered transitions of algorithms with a model.
-    fn memory(&self) -> Option<&Transitions> {
-        match self {
-            Self::DynaQ(memory, _) => Some(memory),
-            Self::QLearning | Self::SarsaLambda(_) => None,
-        }
+    /// Creates Sarsa(lambda).
+    pub fn sarsa_lambda() -> Self {
+        Self::SarsaLambda(Traces::default())
+    }
+
+    /// Creates Dyna-Q, which draws the transitions to replay from `stream`.
+    pub fn dyna_q(stream: Stream) -> Self {
+        Self::DynaQ(Transitions::default(), stream)
     }
 
     /// Returns true if its transitions, if any, are valid.
     fn is_sound(&self) -> bool {
-        self.memory().is_none_or(Transitions::is_sound)
+        match self {
+            Self::DynaQ(memory, _) => memory.is_sound(),
+            Self::QLearning | Self::SarsaLambda(_) => true,
+        }
     }
 }
 
@@ -64,24 +69,8 @@ pub struct Tabular {
 }
 
 impl Tabular {
-    /// Creates Q-learning for `actions` actions. All parameters must have been checked.
-    pub fn q_learning(actions: usize, params: Params, own: TabularParams) -> Self {
-        Self::new(Algorithm::QLearning, actions, params, own)
-    }
-
-    /// Creates Sarsa(lambda).
-    pub fn sarsa_lambda(actions: usize, params: Params, own: TabularParams) -> Self {
-        let algorithm = Algorithm::SarsaLambda(Traces::default());
-        Self::new(algorithm, actions, params, own)
-    }
-
-    /// Creates Dyna-Q, which draws the transitions to replay from `stream`.
-    pub fn dyna_q(actions: usize, params: Params, own: TabularParams, stream: Stream) -> Self {
-        let algorithm = Algorithm::DynaQ(Transitions::default(), stream);
-        Self::new(algorithm, actions, params, own)
-    }
-
-    fn new(algorithm: Algorithm, actions: usize, params: Params, own: TabularParams) -> Self {
+    /// Creates an untrained learner for `actions` actions. All parameters must have been checked.
+    pub fn new(algorithm: Algorithm, actions: usize, params: Params, own: TabularParams) -> Self {
         Self {
             algorithm,
             params,

@@ -8,7 +8,7 @@ use xcs::{Action, Percept};
 
 /// The eligibility of each pair of this episode (replacing traces).
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub(super) struct Traces {
+pub(in crate::agent) struct Traces {
     pairs: Vec<(Percept, Action, f64)>,
 }
 
@@ -18,7 +18,7 @@ impl Traces {
 
     /// Performs one Sarsa(lambda) update. `next` is the action chosen after the transition; `decay`
     /// is gamma times lambda.
-    pub fn learn(
+    pub(super) fn learn(
         &mut self,
         table: &mut Table,
         transition: &Transition,

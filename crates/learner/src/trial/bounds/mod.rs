@@ -199,9 +199,10 @@ fn run_once(
         if state == GOAL {
             return step;
         }
-        belief = belief.after(pomdp, action, pomdp.percept(state));
+        let look = pomdp.look(state);
+        belief = belief.after(pomdp, action, |_, next| pomdp.look(next) == look);
         if belief.is_empty() {
-            belief = Belief::even(pomdp.alike(pomdp.look(state)));
+            belief = Belief::even(pomdp.alike(look));
         }
     }
     10 * MOST_STEPS

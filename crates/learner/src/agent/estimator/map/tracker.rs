@@ -120,8 +120,8 @@ impl Tracker {
         }
         let (expected, mislocalised) = match acted {
             Some((action, felt)) => {
-                let stayed = (!map.unfelt).then_some(felt.bumped);
-                let expected = self.belief.expected(&map.pomdp, action, stayed);
+                let possible = |from, to| map.unfelt || (from == to) == felt.bumped;
+                let expected = self.belief.after(&map.pomdp, action, possible);
                 (expected, MISLOCALISED)
             }
             None => (std::mem::take(&mut self.belief), BEGUN_ELSEWHERE),
@@ -157,8 +157,9 @@ impl Tracker {
                 self.found + u32::from(!found),
             ];
             let after = |found: u32| {
-                let sight = sight(&percept, found);
-                (found, self.belief.after(&map.pomdp, action, &sight))
+                let look = map.pomdp.look_of(&sight(&percept, found));
+                let fits = |_, next| Some(map.pomdp.look(next)) == look;
+                (found, self.belief.after(&map.pomdp, action, fits))
             };
             counts
                 .map(after)
