@@ -65,37 +65,53 @@ impl Observations {
 
     /// Returns the log2 likelihood of the observations.
     pub fn bits(&self, observation_error: f64) -> f64 {
-        self.0
-            .values()
-            .map(|counts| bits(counts, observation_error))
-            .sum()
+        let likelihood = CellLikelihood::of(observation_error);
+        self.0.values().map(|counts| likelihood.bits(counts)).sum()
     }
 
     /// Returns the log2 likelihood of other observations, given these.
     pub fn bits_of(&self, others: &Self, observation_error: f64) -> f64 {
+        let likelihood = CellLikelihood::of(observation_error);
         let gain = |(place, counts): (&Place, &[u32; 3])| match self.0.get(place) {
             Some(own) => {
                 let both = std::array::from_fn(|state| own[state] + counts[state]);
-                bits(&both, observation_error) - bits(own, observation_error)
+                likelihood.bits(&both) - likelihood.bits(own)
             }
-            None => bits(counts, observation_error),
+            None => likelihood.bits(counts),
         };
         others.0.iter().map(gain).sum()
     }
 }
 
-/// Returns the log2 likelihood of one cell's observations. Both wrong states are equally likely.
-fn bits(counts: &[u32; 3], observation_error: f64) -> f64 {
-    let right = libm::log2(1.0 - observation_error);
-    let wrong = libm::log2(observation_error / 2.0);
-    let all: u32 = counts.iter().sum();
-    let of = |state: usize| {
-        let agreeing = counts[state];
-        libm::log2(FIRST[state]) + f64::from(agreeing) * right + f64::from(all - agreeing) * wrong
-    };
-    let each = [of(0), of(1), of(2)];
-    let most = each.into_iter().fold(f64::NEG_INFINITY, f64::max);
-    most + libm::log2(each.iter().map(|bits| libm::exp2(bits - most)).sum())
+/// The log2 likelihoods of one cell's states and observations.
+struct CellLikelihood {
+    first: [f64; 3],
+    right: f64,
+    wrong: f64,
+}
+
+impl CellLikelihood {
+    /// Creates the likelihoods. Both wrong states are equally likely.
+    fn of(observation_error: f64) -> Self {
+        Self {
+            first: FIRST.map(libm::log2),
+            right: libm::log2(1.0 - observation_error),
+            wrong: libm::log2(observation_error / 2.0),
+        }
+    }
+
+    /// Returns the log2 likelihood of a cell's observations.
+    fn bits(&self, counts: &[u32; 3]) -> f64 {
+        let all: u32 = counts.iter().sum();
+        let each: [f64; 3] = std::array::from_fn(|state| {
+            let agreeing = counts[state];
+            self.first[state]
+                + f64::from(agreeing) * self.right
+                + f64::from(all - agreeing) * self.wrong
+        });
+        let most = each.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        most + libm::log2(each.iter().map(|bits| libm::exp2(bits - most)).sum())
+    }
 }
 
 #[cfg(test)]
