@@ -41,7 +41,7 @@ class Plus(Learner):
         feature_names: Sequence[str] | None = None,
         gamma: float = 0.99,
         best_return: float | None = None,
-        tries: int = 10,
+        tries: int = 20,
         population_size: int = 5000,
         seed: int = 1,
     ) -> None:
@@ -69,7 +69,7 @@ class Plus(Learner):
         feature_names: Sequence[str] | None = None,
         gamma: float = 0.99,
         best_return: float | None = None,
-        tries: int = 10,
+        tries: int = 20,
         population_size: int = 5000,
         seed: int = 1,
     ) -> Self:

@@ -1,14 +1,17 @@
 """Compares xcscr with xcsf and scikit-XCS at equal work: the same trials, population size and parameters.
 
 pip install "./python[sklearn]" xcsf==1.5.0 scikit-XCS==1.0.8
-python assets/results/python-learners/compare.py          # prints the two tables of docs/src/results/python-learners.md
+python assets/results/python-learners/compare.py          # prints the first table of docs/src/results/python-learners.md
+python assets/results/python-learners/compare.py real     # one part of it; writes real.json
 """
 
+import json
 import statistics
+import sys
 import time
+from pathlib import Path
 
 import numpy
-import skXCS
 import xcscr
 import xcsf
 from sklearn.datasets import load_breast_cancer, load_iris, load_wine
@@ -17,6 +20,8 @@ from sklearn.model_selection import StratifiedKFold
 SEEDS = range(1, 6)
 # Address bits, population size, P#, trials.
 MULTIPLEXERS = [(2, 400, 0.33, 10_000), (3, 800, 0.5, 20_000), (4, 2000, 0.75, 60_000)]
+# Address bits, population size, trials.
+REALS = [(1, 1000, 20_000), (2, 2000, 50_000)]
 TABLES = {"iris": load_iris, "wine": load_wine, "breast cancer": load_breast_cancer}
 TABLE_TRIALS, TABLE_SIZE = 50_000, 1600
 # scikit-XCS takes minutes for what the others do in seconds.
@@ -78,6 +83,8 @@ def with_xcsf(inputs, answers, tests, size, condition, seed, actions=2):
 
 
 def with_skxcs(inputs, answers, tests, size, p_hash, seed, trials):
+    import skXCS
+
     learner = skXCS.XCS(
         learning_iterations=trials,
         N=size,
@@ -120,6 +127,35 @@ def compare_multiplexers():
             row(name, program, [measured(lambda: learn(*data[seed], seed), truth) for seed in seeds])
 
 
+def with_xcscr_reals(inputs, answers, tests, size, seed):
+    learner = xcscr.XCS(2, n_features=inputs.shape[1], p_explore=1.0, population_size=size, seed=seed)
+    learner.fit_table(inputs, answers, trials=len(inputs))
+    return numpy.array([learner.policy(one) for one in tests]), learner.n_rules
+
+
+def compare_reals():
+    """The multiplexer of numbers from 0 to 1, each of which counts as 1 from 0.5 on."""
+    rows = []
+    for address_bits, size, trials in REALS:
+        name = f"real-valued {address_bits + 2**address_bits}-multiplexer"
+
+        def drawn(count, seed, address_bits=address_bits):
+            bits, answers = multiplexer(address_bits, count, seed)
+            return (bits + numpy.random.default_rng(seed + 10_000).random(bits.shape)) / 2, answers
+
+        data, (tests, truth) = {seed: drawn(trials, seed) for seed in SEEDS}, drawn(1000, 1000)
+        rectangle = {"type": "hyperrectangle_ubr", "args": {"min": 0.0, "max": 1.0, "spread_min": 0.1, "eta": 0.0}}
+        learners = {"xcscr": with_xcscr_reals, "xcsf": lambda x, y, t, n, seed: with_xcsf(x, y, t, n, rectangle, seed)}
+        for program, learn in learners.items():
+            results = [measured(lambda: learn(*data[seed], tests, size, seed), truth) for seed in SEEDS]
+            row(name, program, results)
+            rows += [
+                {"problem": name, "program": program, "seed": seed, "accuracy": share, "cpu_s": seconds, "rules": rules}
+                for seed, (share, seconds, rules) in zip(SEEDS, results, strict=True)
+            ]
+    Path(__file__).with_name("real.json").write_text("[\n" + ",\n".join(map(json.dumps, rows)) + "\n]\n")
+
+
 def compare_tables():
     rectangle = {"type": "hyperrectangle_ubr", "args": {"min": 0.0, "max": 1.0, "spread_min": 0.1, "eta": 0.0}}
     for name, load in TABLES.items():
@@ -149,5 +185,6 @@ def compare_tables():
 
 if __name__ == "__main__":
     print("| problem | program | accuracy | SD | CPU s | rules | runs |\n|---|---|---|---|---|---|---|")
-    compare_multiplexers()
-    compare_tables()
+    parts = {"multiplexers": compare_multiplexers, "real": compare_reals, "tables": compare_tables}
+    for part in sys.argv[1:] or parts:
+        parts[part]()

@@ -1,0 +1,232 @@
+"""Counts the steps that learners need in discrete environments of Gymnasium.
+
+pip install "./python[sklearn]" minigrid "gymnasium[toy-text]"
+python assets/results/python-learners/learning.py                 # writes learning.json
+python assets/results/python-learners/learning.py --table         # prints its tables
+
+A greedy policy is tested every so many steps, in episodes of its own. A run ends when two tests in a row reach the best
+return less a tenth of its absolute value; the first of them counts. A run that does not is one that failed.
+"""
+
+import argparse
+import json
+import statistics
+import time
+from pathlib import Path
+
+import numpy
+
+FILE = Path(__file__).with_name("learning.json")
+TEST_SEED = 1_000_000
+# By environment: steps, steps between two tests, episodes of a test, runs.
+BUDGETS = {
+    "FrozenLake-v1 8x8": (100_000, 2_000, 200, 30),
+    "Taxi-v4": (100_000, 2_000, 50, 30),
+    "CliffWalking-v1": (30_000, 250, 1, 30),
+    "MiniGrid-Empty-6x6": (20_000, 500, 1, 10),
+    "MiniGrid-DoorKey-5x5": (40_000, 4_000, 20, 5),
+    "MiniGrid-FourRooms": (40_000, 8_000, 20, 5),
+}
+GAMMA = 0.99
+
+
+class QLearning:
+    """Q-learning in a table, with random actions in a tenth of the steps."""
+
+    def __init__(self, actions, seed, rate=0.2, explore=0.1):
+        self.actions, self.rate, self.explore = actions, rate, explore
+        self.rng = numpy.random.default_rng(seed)
+        self.table = {}
+
+    def row(self, percept):
+        return self.table.setdefault(percept.tobytes(), numpy.zeros(self.actions))
+
+    def act(self, percept):
+        row = self.row(percept)
+        if self.rng.random() < self.explore:
+            return int(self.rng.integers(self.actions))
+        return int(self.rng.choice(numpy.flatnonzero(row == row.max())))
+
+    def learn(self, percept, action, reward, after, terminated):
+        target = reward if terminated else reward + GAMMA * self.row(after).max()
+        row = self.row(percept)
+        row[action] += self.rate * (target - row[action])
+
+    def end(self):
+        pass
+
+    def policy(self, percept):
+        row = self.table.get(percept.tobytes())
+        return int(self.rng.integers(self.actions)) if row is None else int(row.argmax())
+
+    def rules(self):
+        return len(self.table) * self.actions
+
+
+class Ours:
+    """A learner of the package."""
+
+    def __init__(self, learner, actions, seed):
+        self.learner, self.actions = learner, actions
+        self.rng = numpy.random.default_rng(seed)
+
+    def act(self, percept):
+        return self.learner.act(percept)
+
+    def learn(self, percept, action, reward, after, terminated):
+        self.learner.update(reward, after, terminated)
+
+    def end(self):
+        self.learner.end_episode()
+
+    def policy(self, percept):
+        values = self.learner.values(percept)
+        known = [value for value in values if value is not None]
+        if not known:
+            return int(self.rng.integers(self.actions))
+        return values.index(max(known))
+
+    def rules(self):
+        return self.learner.n_rules
+
+
+def plus(env, seed, tries=20):
+    import xcscr
+
+    return xcscr.Plus.for_env(env, feature_names=env.get_wrapper_attr("names"), gamma=GAMMA, tries=tries, seed=seed)
+
+
+def patient_plus(env, seed):
+    return plus(env, seed, tries=40)
+
+
+def xcs(env, seed):
+    import xcscr
+
+    # epsilon_0 is 1 % of the greatest reward, which is 20 in Taxi and at most 1 elsewhere. Costs of 100 are ignored.
+    greatest = 20.0 if env.spec.id.startswith("Taxi") else 1.0
+    arguments = {"gamma": GAMMA, "p_explore": 0.3, "epsilon_0": greatest / 100, "population_size": 5000, "p_hash": 0.5}
+    if env.observation_space.shape[0] > 100:
+        arguments["p_hash"] = 0.95
+    return xcscr.XCS.for_env(env, seed=seed, **arguments)
+
+
+def create(method, env, seed):
+    actions = int(env.action_space.n)
+    if method == "q-learning":
+        return QLearning(actions, seed)
+    return Ours({"plus": plus, "plus, tries=40": patient_plus, "xcs": xcs}[method](env, seed), actions, seed)
+
+
+def tested(agent, env, episodes):
+    """Returns the mean return of the greedy policy."""
+    total = 0.0
+    for episode in range(episodes):
+        percept, _ = env.reset(seed=TEST_SEED + episode)
+        done = False
+        while not done:
+            percept, reward, terminated, truncated, _ = env.step(agent.policy(percept))
+            done, total = terminated or truncated, total + float(reward)
+    return total / episodes
+
+
+def run(method, problem, seed):
+    """Returns a row of the results."""
+    from problems import MAKE, best_return
+
+    steps, between, episodes, _ = BUDGETS[problem]
+    env, tests = MAKE[problem](), MAKE[problem]()
+    best = best_return(tests, range(TEST_SEED, TEST_SEED + episodes))
+    enough = best - 0.1 * abs(best)
+    agent = create(method, env, seed)
+    met, returns, reached, spent = {}, [], None, 0.0
+    percept, _ = env.reset(seed=seed)
+    step = 0
+    while step < steps:
+        begin = time.process_time()
+        for _ in range(between):
+            met[percept.tobytes()] = percept
+            action = agent.act(percept)
+            after, reward, terminated, truncated, _ = env.step(action)
+            agent.learn(percept, action, float(reward), after, terminated)
+            percept = after
+            if terminated or truncated:
+                agent.end()
+                percept, _ = env.reset()
+        step += between
+        spent += time.process_time() - begin
+        returns.append(tested(agent, tests, episodes))
+        if returns[-1] >= enough:
+            if reached is not None:
+                break
+            reached = step
+        else:
+            reached = None
+    row = {"method": method, "problem": problem, "seed": seed, "best": best, "steps": reached, "last": returns[-1]}
+    row |= {"greatest": max(returns), "cpu_s": round(spent, 2), "rules": agent.rules(), "percepts": len(met)}
+    if method.startswith("plus"):
+        row |= cart(agent, list(met.values()))
+    return row
+
+
+def cart(agent, percepts):
+    """Returns the nodes and leaves of the smallest of 20 trees with the agent's decisions in these percepts."""
+    from sklearn.tree import DecisionTreeClassifier
+
+    bits = agent.learner._percepts.rows(numpy.array(percepts))
+    actions = [agent.policy(percept) for percept in percepts]
+    trees = [DecisionTreeClassifier(random_state=seed).fit(bits, actions).tree_ for seed in range(20)]
+    tree = min(trees, key=lambda tree: tree.node_count)
+    return {"nodes": int(tree.node_count), "leaves": int(tree.n_leaves)}
+
+
+def table(rows):
+    print("| environment | learner | runs | reached | steps, median | quartiles | return / best | CPU s | rules |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    for problem in BUDGETS:
+        for method in ["plus", "plus, tries=40", "xcs", "q-learning", "ppo"]:
+            own = [row for row in rows if (row["problem"], row["method"]) == (problem, method)]
+            if not own:
+                continue
+            middle = lambda key: statistics.median(row[key] for row in own)
+            steps = sorted(row["steps"] or float("inf") for row in own)
+            at = [steps[round(share * (len(steps) - 1))] for share in (0.25, 0.5, 0.75)]
+            low, median, high = ("-" if one == float("inf") else f"{one:,.0f}" for one in at)
+            reached = sum(row["steps"] is not None for row in own)
+            rules = f"{middle('rules'):,.0f}" if method != "ppo" else "-"
+            print(
+                f"| {problem} | {method} | {len(own)} | {reached} | {median} | {low} to {high} "
+                f"| {middle('last'):.2f} / {own[0]['best']:.2f} | {middle('cpu_s'):.1f} | {rules} |"
+            )
+    print("\n| environment | percepts met | rules of plus | nodes of CART | leaves of CART |\n|---|---|---|---|---|")
+    for problem in BUDGETS:
+        own = [row for row in rows if row["problem"] == problem and row["method"] == "plus"]
+        if own:
+            cells = [f"{statistics.median(row[key] for row in own):,.0f}" for key in ("percepts", "rules", "nodes", "leaves")]
+            print(f"| {problem} | {' | '.join(cells)} |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--table", action="store_true", help="print the tables of the results so far")
+    parser.add_argument("--only", nargs="*", default=list(BUDGETS), help="these environments")
+    parser.add_argument("--methods", nargs="*", default=["plus", "xcs", "q-learning"])
+    parser.add_argument("--runs", type=int, help="at most this many runs of each")
+    parser.add_argument("--file", type=Path, default=FILE, help="results, to which rows are added")
+    given = parser.parse_args()
+    rows = json.loads(given.file.read_text()) if given.file.exists() else []
+    if given.table:
+        return table(rows)
+    done = {(row["method"], row["problem"], row["seed"]) for row in rows}
+    for problem in given.only:
+        runs = min(given.runs or BUDGETS[problem][3], BUDGETS[problem][3])
+        for seed in range(1, runs + 1):
+            for method in given.methods:
+                if (method, problem, seed) not in done:
+                    rows.append(run(method, problem, seed))
+                    print(rows[-1], flush=True)
+                    given.file.write_text("[\n" + ",\n".join(map(json.dumps, rows)) + "\n]\n")
+
+
+if __name__ == "__main__":
+    main()
