@@ -128,7 +128,7 @@ impl Material {
             mode: self.mode,
             senses: self.plan.config.senses(),
         };
-        Ok(HighlightsBuilder::new(run, self.whole_curve()?)?)
+        HighlightsBuilder::new(run, self.whole_curve()?)
     }
 
     /// Returns the number of segments before the drive.
@@ -150,7 +150,7 @@ impl Material {
 
     /// Adds the drive of the learned policy.
     pub fn add_drive(&self, builder: &mut HighlightsBuilder<'_>) -> Result<(), RunError> {
-        Ok(builder.drive(self.plan.config.episodes, &self.drive)?)
+        builder.drive(self.plan.config.episodes, &self.drive)
     }
 
     /// Returns the learning curve of all episodes, as a message of `/curve`.
@@ -167,7 +167,7 @@ impl Material {
 
     fn episode(&self, number: u32) -> Result<Recording, RunError> {
         let file = RecordingKind::Episode(number).file_name();
-        Ok(Recording::open(&self.folder.join(file))?)
+        Recording::open(&self.folder.join(file))
     }
 
     /// Returns the highlights as the bytes of a file.
@@ -177,7 +177,7 @@ impl Material {
             self.add_segment(number, &mut builder)?;
         }
         self.add_drive(&mut builder)?;
-        Ok(builder.finish()?)
+        builder.finish()
     }
 }
 

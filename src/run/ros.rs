@@ -47,5 +47,5 @@ fn bag(run: &Rerun, only: Option<u32>) -> Result<Vec<u8>, RunError> {
     let mut bag = RosBag::new(only, wheel_base_m, physics.lidar.clone())?;
     // The bag breaks on errors, which `finish` returns.
     run.watch(&mut bag)?;
-    Ok(bag.finish()?)
+    bag.finish()
 }
