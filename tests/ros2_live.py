@@ -112,6 +112,10 @@ def stamped(run):
     claim(code == 0 and len(relay.commands) > 100, f"a drive to the goal by TwistStamped (exit code {code})")
     relay.close()
     robot.end()
+    robot = simulate("--stamped")
+    code = drive(run, "--stamped").wait(60)
+    claim(code == 0, f"the same without rclpy in between (exit code {code})")
+    robot.end()
 
 
 def lds_01(run):
@@ -243,6 +247,23 @@ def ends(run):
         robot.end()
 
 
+def panic(run):
+    robot = simulate("--namespace", "raw")
+    relay = Relay()
+    cargo = ["cargo", "test", "--locked", "--features", "ros2", "--test", "ros2_panic", "--", "--ignored", "--nocapture"]
+    driver = Program(*cargo, env={**os.environ, "XCSCR_RUN": run, "RUST_BACKTRACE": "0"}, cwd=ROOT)
+    code = driver.wait(600)
+    at = re.search(r"panics at ([\d.]+)", driver.said())
+    began = float(at[1]) if at else time.time()
+    moves = any(forward > 0.2 for when, forward, _ in relay.commands if began - 0.2 < when < began)
+    stopped = relay.rests_after(began)
+    claim(code == 0 and moves and stopped is not None and stopped < 0.15, f"an injected panic: rest after {1000 * (stopped or 9):.0f} ms")
+    if code != 0:
+        print(driver.said())
+    relay.close()
+    robot.end()
+
+
 def mislocalised(run):
     robot = simulate()
     driver = drive(run, "--start", "6.5,5.5,0")
@@ -316,7 +337,7 @@ def hour(run):
     robot.end()
 
 
-PARTS = [robot_for_others, by_cyclone, refused, mislocalised, drives, office_drives, stamped, lds_01, foreign_bag, ends, quality_of_service, faults]
+PARTS = [robot_for_others, by_cyclone, refused, mislocalised, drives, office_drives, stamped, lds_01, foreign_bag, ends, panic, quality_of_service, faults]
 
 
 def main():

@@ -29,6 +29,9 @@ pub struct SimulateArgs {
     /// cell].
     #[arg(long, value_name = "X,Y,YAW", value_parser = node::pose, allow_hyphen_values = true)]
     start: Option<[f64; 3]>,
+    /// Expect TwistStamped on cmd_vel instead of Twist.
+    #[arg(long)]
+    stamped: bool,
     /// Seed of the wheel and sensor noise.
     #[arg(long, value_name = "S", default_value = "1", value_parser = choices::seed)]
     seed: u64,
@@ -56,6 +59,7 @@ pub fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let mut robot = robot.map_err(|error| Failure::new(ErrorKind::BadData, error.to_string()))?;
     let options = SimulateOptions {
         node: args.node.options(),
+        stamped: args.stamped,
         realtime_factor: args.realtime_factor,
         steps: args
             .seconds

@@ -27,6 +27,8 @@ pub struct DriverOptions {
 pub struct SimulateOptions {
     /// The node.
     pub node: NodeOptions,
+    /// Expect `TwistStamped` on `/cmd_vel` instead of `Twist`.
+    pub stamped: bool,
     /// The speed as a multiple of real time.
     pub realtime_factor: f64,
     /// The number of steps of 50 ms after which the node ends; `None` for no limit.

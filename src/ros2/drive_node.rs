@@ -7,7 +7,7 @@ use ros2_client::{Gid, Publisher, Subscription};
 use serde::Serialize;
 
 use super::error::Ros2Error;
-use super::link::{Link, best_effort, drain, reliable};
+use super::link::{Link, STAMPED, TWIST, best_effort, drain, reliable};
 use crate::arena::Speeds;
 use crate::drive::{Driver, DriverOptions, DriverStep, Fault, Network, Phase, Readings};
 use crate::record::DriveBag;
@@ -22,8 +22,6 @@ const TICK: Duration = Duration::from_millis(1);
 const GRAPH: Duration = Duration::from_millis(100);
 /// The grace period for the last commands to arrive.
 const GRACE_PERIOD: Duration = Duration::from_millis(200);
-const TWIST: [&str; 2] = ["geometry_msgs", "Twist"];
-const STAMPED: [&str; 2] = ["geometry_msgs", "TwistStamped"];
 const SCAN: [&str; 2] = ["sensor_msgs", "LaserScan"];
 const ODOMETRY: [&str; 2] = ["nav_msgs", "Odometry"];
 

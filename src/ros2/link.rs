@@ -34,6 +34,10 @@ pub fn transient_local() -> QosProfile {
         .history(History::KeepLast { depth: 1 })
 }
 
+/// The package and the name of the message types of commands.
+pub const TWIST: [&str; 2] = ["geometry_msgs", "Twist"];
+pub const STAMPED: [&str; 2] = ["geometry_msgs", "TwistStamped"];
+
 /// A ROS 2 node.
 pub struct Link {
     context: Context,

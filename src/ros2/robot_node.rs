@@ -8,9 +8,10 @@ use ros2_client::{Publisher, Subscription};
 use serde::Serialize;
 
 use super::error::Ros2Error;
-use super::link::{Link, best_effort, drain, reliable, transient_local};
-use crate::drive::{NodeOptions, SimulateOptions, SimulatedReadings, SimulatedRobot};
-use crate::record::drive_messages::{Clock, Imu, Twist};
+use super::link::{Link, STAMPED, TWIST, best_effort, drain, reliable, transient_local};
+use crate::arena::Speeds;
+use crate::drive::{SimulateOptions, SimulatedReadings, SimulatedRobot};
+use crate::record::drive_messages::{Clock, Imu, Twist, TwistStamped};
 use crate::record::messages::{
     BASE, LASER, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, TRUE_BASE, Transforms,
 };
@@ -20,6 +21,30 @@ use crate::world::Maze;
 const STEP: Duration = Duration::from_millis(50);
 /// The poll interval for commands and for `stop`.
 const TICK: Duration = Duration::from_millis(2);
+
+/// The subscription to commands.
+enum Commands {
+    Plain(Subscription<Twist>),
+    Stamped(Subscription<TwistStamped>),
+}
+
+impl Commands {
+    fn open(link: &mut Link, stamped: bool) -> Result<Self, Ros2Error> {
+        let qos = best_effort();
+        Ok(match stamped {
+            false => Self::Plain(link.subscription("cmd_vel", TWIST, &qos)?),
+            true => Self::Stamped(link.subscription("cmd_vel", STAMPED, &qos)?),
+        })
+    }
+
+    /// Returns the newest of the commands that arrived since the last call.
+    fn newest(&self) -> Option<Speeds> {
+        match self {
+            Self::Plain(all) => Some(drain(all).pop()?.0.into()),
+            Self::Stamped(all) => Some(drain(all).pop()?.0.twist.into()),
+        }
+    }
+}
 
 struct RobotNode {
     /// Keeps the node alive, because publishers end with their node.
@@ -32,12 +57,12 @@ struct RobotNode {
     tf: Publisher<Transforms>,
     tf_static: Publisher<Transforms>,
     map: Publisher<OccupancyGrid>,
-    cmd_vel: Subscription<Twist>,
+    cmd_vel: Commands,
 }
 
 impl RobotNode {
-    fn open(options: &NodeOptions) -> Result<Self, Ros2Error> {
-        let mut link = Link::open("xcscr_robot", options)?;
+    fn open(options: &SimulateOptions) -> Result<Self, Ros2Error> {
+        let mut link = Link::open("xcscr_robot", &options.node)?;
         let odometry = ["nav_msgs", "Odometry"];
         let transforms = ["tf2_msgs", "TFMessage"];
         Ok(Self {
@@ -49,7 +74,7 @@ impl RobotNode {
             tf: link.publisher("tf", transforms, &reliable())?,
             tf_static: link.publisher("tf_static", transforms, &transient_local())?,
             map: link.publisher("map", ["nav_msgs", "OccupancyGrid"], &transient_local())?,
-            cmd_vel: link.subscription("cmd_vel", ["geometry_msgs", "Twist"], &best_effort())?,
+            cmd_vel: Commands::open(&mut link, options.stamped)?,
             _link: link,
         })
     }
@@ -103,14 +128,14 @@ pub fn simulate(
     options: &SimulateOptions,
     stop: &dyn Fn() -> bool,
 ) -> Result<u64, Ros2Error> {
-    let node = RobotNode::open(&options.node)?;
+    let node = RobotNode::open(options)?;
     node.publish_static(maze);
     let period = STEP.div_f64(options.realtime_factor);
     let mut due = Instant::now();
     let mut steps = 0;
     while !stop() && options.steps.is_none_or(|most| steps < most) {
-        if let Some((command, _)) = drain(&node.cmd_vel).pop() {
-            robot.command(command.into());
+        if let Some(command) = node.cmd_vel.newest() {
+            robot.command(command);
         }
         let left = due.saturating_duration_since(Instant::now());
         if !left.is_zero() {
