@@ -95,7 +95,7 @@ def compare(xcscr, world, seed, dtcontrol):
         what = ["--arena", "grid", "--record", "none", "--quiet", "--json", "--set", "plus.estimator=percept"]
         command = [xcscr, "train", world, *what, "--seed", str(seed), "--out", f"{folder}/run"]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        rules = json.loads(Path(f"{folder}/run/rules.json").read_text())["foresighted"]["rules"]
+        rules = json.loads(Path(f"{folder}/run/rules.json").read_text())["percept-rules"]["rules"]
     decided = [(percept, best_actions(rules, percept)) for percept in percepts(world)]
     decisions = [one for one in decided if one[1]]
     conditions = sum(16 - rule["condition"].count("#") for rule in rules)

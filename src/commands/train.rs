@@ -173,7 +173,7 @@ fn resume(folder: &Path) -> Result<(Resumed, Interrupt), Failure> {
 fn watch(folder: &RunFolder) -> Result<Interrupt, Failure> {
     let folder = RunFolder::open(folder.path());
     let shutdown_message = move || {
-        let message = format!("interrupted in an episode{}", folder.way_on());
+        let message = format!("interrupted in an episode{}", folder.resume_hint());
         Failure::new(ErrorKind::Interrupted, message)
     };
     Interrupt::watch(shutdown_message)

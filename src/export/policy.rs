@@ -105,12 +105,12 @@ impl Policy {
         of_world: &[Percept],
     ) -> Result<Self, Error> {
         let maps = match knowledge {
-            Knowledge::Remembering { map, .. } => Some(MapTable::new(map)?),
+            Knowledge::MapRules { map, .. } => Some(MapTable::new(map)?),
             _ => None,
         };
         let rules = rules(knowledge, actions)?;
         let (width, percepts, of) = match knowledge {
-            Knowledge::Remembering { map, .. } => (CONTEXT_BITS, contexts(map, DRAWN), "contexts"),
+            Knowledge::MapRules { map, .. } => (CONTEXT_BITS, contexts(map, DRAWN), "contexts"),
             _ => (width, percepts(&rules, width, of_world), "percepts"),
         };
         let mut unlike = None;

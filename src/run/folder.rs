@@ -118,7 +118,7 @@ impl RunFolder {
     }
 
     /// Returns how to resume the run, for the end of a message; empty without a checkpoint.
-    pub fn way_on(&self) -> String {
+    pub fn resume_hint(&self) -> String {
         Self::way_to_resume(&self.path).map_or_else(String::new, |hint| format!("; {hint}"))
     }
 

@@ -215,7 +215,7 @@ impl Observer for Mislocalised {
     }
 
     fn stepped(&mut self, step: &Step<'_>) {
-        let lost = step.view.sensed.is_some_and(|sensed| sensed.lost);
+        let lost = step.view.sensed.is_some_and(|sensed| sensed.mislocalised);
         self.episodes += u32::from(lost && !self.in_this_one);
         self.in_this_one |= lost;
     }

@@ -50,7 +50,7 @@ impl Tally {
         for action in script(seed, moves) {
             tally.add(arena, action);
             let view = arena.view();
-            if view.sensed.unwrap().lost || view.maze.is_goal(true_cell(&view)) {
+            if view.sensed.unwrap().mislocalised || view.maze.is_goal(true_cell(&view)) {
                 let start = view.maze.start_cells()[0];
                 arena.reset(start);
             }
@@ -86,7 +86,7 @@ impl Tally {
         let sensed = view.sensed.unwrap();
         self.steps += view.trace.len() as u64 - 1;
         self.wrong_cell += u32::from(cell != wanted);
-        self.lost += u32::from(sensed.lost);
+        self.lost += u32::from(sensed.mislocalised);
         let estimate: &Estimate = sensed.estimates.last().unwrap();
         let truth = view.now().robot_in_map;
         let (metres, radians) = estimate.error(&truth);

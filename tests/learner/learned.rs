@@ -51,7 +51,7 @@ impl Learned {
     /// The share of moves that slip, as the learner estimates it.
     pub fn slip(&self) -> f64 {
         match &self.knowledge {
-            Knowledge::Remembering { map, .. } => map.pomdp.slip(),
+            Knowledge::MapRules { map, .. } => map.pomdp.slip(),
             _ => panic!("no map"),
         }
     }
@@ -59,7 +59,7 @@ impl Learned {
     /// The number of states on the maps.
     pub fn states(&self) -> usize {
         match &self.knowledge {
-            Knowledge::Remembering { map, .. } => map.states.len(),
+            Knowledge::MapRules { map, .. } => map.states.len(),
             _ => panic!("no map"),
         }
     }
@@ -67,7 +67,7 @@ impl Learned {
     /// Does it know of one cell in which all episodes begin?
     pub fn knows_its_start(&self) -> bool {
         match &self.knowledge {
-            Knowledge::Remembering { map, .. } => map.begin.is_some(),
+            Knowledge::MapRules { map, .. } => map.begin.is_some(),
             _ => false,
         }
     }

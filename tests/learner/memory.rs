@@ -148,11 +148,11 @@ fn turned(rule: &Classifier, actions: usize) -> Classifier {
 #[test]
 fn the_rules_are_the_cause_of_what_is_done() {
     let trial = finished("mazef4", Method::XcscrPlus, 100);
-    let Knowledge::Remembering { rules, map } = &trial.knowledge else {
+    let Knowledge::MapRules { rules, map } = &trial.knowledge else {
         panic!("no map");
     };
     let turned: Vec<_> = rules.rules().iter().map(|rule| turned(rule, 8)).collect();
-    let turned = Knowledge::Remembering {
+    let turned = Knowledge::MapRules {
         rules: turned.try_into().unwrap(),
         map: map.clone(),
     };
@@ -166,7 +166,7 @@ fn most_lost_with_a_wrong_rule(name: &str, episodes: u32) -> usize {
     let mut most = 0;
     let plan = mapped(world(name), Method::XcscrPlus).seed(5);
     let finished = learned(plan.clone().episodes(episodes));
-    let Knowledge::Remembering { rules, map } = &finished.knowledge else {
+    let Knowledge::MapRules { rules, map } = &finished.knowledge else {
         panic!("no map");
     };
     for wrong in 0..rules.len() {
@@ -175,7 +175,7 @@ fn most_lost_with_a_wrong_rule(name: &str, episodes: u32) -> usize {
         let what = |rule: &Classifier| (rule.condition, rule.action);
         let before: Vec<_> = brought.iter().map(what).collect();
         let mut plan = plan.clone();
-        plan.config.initial = Some(Knowledge::Remembering {
+        plan.config.initial = Some(Knowledge::MapRules {
             rules: brought.try_into().unwrap(),
             map: map.clone(),
         });

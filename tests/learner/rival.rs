@@ -50,7 +50,7 @@ fn it_draws_the_same_maps_as_the_learner_of_rules() {
     assert!(own(60)["states"].is_array());
     assert_eq!(
         own(60),
-        as_json(&rules)["remembering"]["map"],
+        as_json(&rules)["map-rules"]["map"],
         "once all is seen"
     );
     assert_ne!(own(60), own(1), "control");

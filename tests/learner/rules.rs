@@ -139,7 +139,7 @@ fn what_has_no_rules_or_no_percept_is_refused() {
 }
 
 #[test]
-fn foresight_from_one_maze_spares_collisions_in_the_next() {
+fn collision_rules_from_one_maze_spare_collisions_in_the_next() {
     let [fresh, brought] = [("fresh", ""), ("brought", " --init-rules plus")].map(|(out, more)| {
         let how = format!("{} {}{more} --json", world("maze5"), RUNS[0].1);
         let text = fine(&format!("train {how} {TRAIN} {out}"));

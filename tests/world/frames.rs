@@ -70,7 +70,7 @@ fn poses_hits_and_estimates_are_those_of_the_grid_turned_and_moved_into_the_map(
     let turn: Matrix3<f64> = turn.into_inner().to_homogeneous();
     for localisation in [
         None,
-        Some(Localisation::Told),
+        Some(Localisation::GroundTruth),
         Some(Localisation::Estimated),
     ] {
         let [plain, placed] = [[0.0; 3], ORIGIN].map(|origin| {

@@ -8,7 +8,9 @@ use crate::kit::tally::{Tally, mean, quantile, script, true_cell};
 use crate::kit::trial::maze;
 use crate::worlds::drawn;
 use xcscr::agent::{Estimator, Method};
-use xcscr::arena::{Arena, Care, FaultParams, Localisation, PhysicsArena, PhysicsParams};
+use xcscr::arena::{
+    Arena, CautiousDriving, FaultParams, Localisation, PhysicsArena, PhysicsParams,
+};
 use xcscr::episode::Mistakes;
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Evaluation, Plan, RobotProfile, Settings, Trial};
@@ -200,7 +202,7 @@ fn lost_in_a_corridor(noise: f64, lidar: bool) -> u32 {
         arena.reset(maze.start().unwrap());
         (0..28).any(|_| {
             arena.act(Action::new(1).unwrap());
-            arena.view().sensed.unwrap().lost
+            arena.view().sensed.unwrap().mislocalised
         })
     };
     (1..=10).filter(is_lost).count() as u32
@@ -216,7 +218,7 @@ fn in_a_long_corridor_a_robot_that_only_senses_does_not_get_lost() {
 }
 
 /// Random moves where a quarter of the cells has a friction of 0.3.
-fn on_wet_floor(when: Care) -> Tally {
+fn on_wet_floor(when: CautiousDriving) -> Tally {
     let mut params = senses(1.0);
     params.cautious.when = when;
     wander("maze5-wet", &params, 1, moves(1_000))
@@ -224,7 +226,12 @@ fn on_wet_floor(when: Care) -> Tally {
 
 #[test]
 fn on_slippery_floor_the_robot_notices_that_its_wheels_slip_and_with_care_no_move_goes_wrong() {
-    let [fast, watchful, careful] = [Care::Never, Care::Slipping, Care::Always].map(on_wet_floor);
+    let [fast, watchful, careful] = [
+        CautiousDriving::Never,
+        CautiousDriving::Slipping,
+        CautiousDriving::Always,
+    ]
+    .map(on_wet_floor);
     let all = [&fast, &watchful, &careful];
     let steps = all.map(|tally| tally.steps);
     assert!(steps[0] < steps[1] && steps[1] < steps[2], "{steps:?}");
@@ -238,7 +245,7 @@ fn on_slippery_floor_the_robot_notices_that_its_wheels_slip_and_with_care_no_mov
     for level in [1.0, 3.0] {
         let mut params = senses(level);
         let watchful = wander("maze5", &params, 1, 300).steps;
-        params.cautious.when = Care::Never;
+        params.cautious.when = CautiousDriving::Never;
         let fast = wander("maze5", &params, 1, 300).steps;
         assert_eq!(watchful, fast, "level {level}");
     }
@@ -338,7 +345,11 @@ fn a_robot_whose_estimate_lies_in_a_wall_or_outside_is_lost_and_perceives_that_c
         let at = sensed.estimates.last().unwrap().robot_in_map;
         let at = at.translation.vector;
         let cell = view.maze.cell_at(at.into());
-        assert_eq!(sensed.lost, cell != Some(true_cell(&view)), "{cell:?}");
+        assert_eq!(
+            sensed.mislocalised,
+            cell != Some(true_cell(&view)),
+            "{cell:?}"
+        );
         // The percept has the cell of the estimate, outside of the grid the nearest one.
         let within = |at: f64, size: u16| at.floor().clamp(0.0, f64::from(size) - 1.0) as u16;
         let (width, height) = (view.maze.width(), view.maze.height());

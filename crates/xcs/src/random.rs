@@ -17,17 +17,17 @@ pub struct Stream(Pcg64);
 /// A saved state that would repeat one number forever.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("a saved random stream is degenerate: it would repeat one number")]
-pub struct StandsStill;
+pub struct DegenerateStream;
 
 impl TryFrom<Pcg64> for Stream {
-    type Error = StandsStill;
+    type Error = DegenerateStream;
 
     /// Rejects degenerate generators. No seed leads to one, but a damaged file may contain one.
-    fn try_from(generator: Pcg64) -> Result<Self, StandsStill> {
+    fn try_from(generator: Pcg64) -> Result<Self, DegenerateStream> {
         let mut ahead = generator.clone();
         let first = ahead.next_u64();
         let moves = (0..8).any(|_| ahead.next_u64() != first);
-        moves.then_some(Self(generator)).ok_or(StandsStill)
+        moves.then_some(Self(generator)).ok_or(DegenerateStream)
     }
 }
 

@@ -49,12 +49,12 @@ pub fn json(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
         Knowledge::RulesOverMatchSet(_) if shown.compacted.is_none() => {
             Knowledge::RulesOverMatchSet(rules)
         }
-        Knowledge::Remembering { map, .. } => Knowledge::Remembering {
+        Knowledge::MapRules { map, .. } => Knowledge::MapRules {
             rules,
             map: map.clone(),
         },
         _ => match knowledge.generalisation().cloned() {
-            Some(generalisation) => Knowledge::Foresighted {
+            Some(generalisation) => Knowledge::PerceptRules {
                 rules,
                 generalisation,
             },

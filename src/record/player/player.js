@@ -260,7 +260,7 @@ function describe() {
     ["perceived", current?.seen],
     ["next best", current?.runner_up],
     ["steps left", current && `${current.left} %`],
-    ["estimate off by", estimate && `${(100 * estimate.error_m).toFixed(1)} cm, ${Math.abs(estimate.heading_error_deg).toFixed(1)}°${estimate.lost ? ", mislocalised" : ""}`],
+    ["estimate off by", estimate && `${(100 * estimate.error_m).toFixed(1)} cm, ${Math.abs(estimate.heading_error_deg).toFixed(1)}°${estimate.mislocalised ? ", mislocalised" : ""}`],
     ["standard deviation", estimate && `${(100 * Math.hypot(estimate.sd_x_m, estimate.sd_y_m)).toFixed(1)} cm, ${estimate.sd_heading_deg.toFixed(1)}°`],
     ["policy", episode && (episode.optimal ? "optimal" : "not optimal yet")],
   ]);

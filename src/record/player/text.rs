@@ -152,12 +152,12 @@ fn text<'a>(entry: &'a Timed, key: &str) -> &'a str {
 
 fn estimate(estimate: &Timed) -> String {
     let number = |key| estimate.get(key).and_then(Value::as_f64).unwrap_or(0.0);
-    let lost = match estimate.get("lost") {
+    let mislocalised = match estimate.get("mislocalised") {
         Some(Value::Bool(true)) => ", mislocalised",
         _ => "",
     };
     let (position_cm, heading_deg) = (100.0 * number("error_m"), number("heading_error_deg").abs());
-    format!("estimate off by {position_cm:.1} cm, {heading_deg:.1}°{lost}")
+    format!("estimate off by {position_cm:.1} cm, {heading_deg:.1}°{mislocalised}")
 }
 
 /// Formats a time as minutes and seconds.

@@ -48,7 +48,7 @@ pub(in crate::record) fn record(
         error_m: error_m,
         heading_error_deg: error_rad.to_degrees(),
         nees: estimate.nees(&truth.robot_in_map),
-        lost: sensed.lost,
+        mislocalised: sensed.mislocalised,
     })
 }
 

@@ -92,7 +92,7 @@ fn where_bumps_are_not_felt_a_program_does_not_look_at_them() {
     let mut learned = Learned::clone(&checked("mazef4 without bumps", plan));
     let header = text(&learned, Target::C99);
     assert!(header.contains("is ignored"), "{header}");
-    let Knowledge::Remembering { map, .. } = &mut learned.knowledge else {
+    let Knowledge::MapRules { map, .. } = &mut learned.knowledge else {
         panic!("no map");
     };
     map.unfelt = false;
@@ -113,7 +113,7 @@ fn a_program_drives_so_where_cells_pay_by_themselves() {
         let plan = noisy(plan.episodes(60).seed(3), slip, flips);
         let name = format!("rewards, slip {slip}, flips {flips}");
         let learned = checked(&name, plan);
-        let Knowledge::Remembering { map, .. } = &learned.knowledge else {
+        let Knowledge::MapRules { map, .. } = &learned.knowledge else {
             panic!("no map");
         };
         let is_found = map.states.iter().any(|state| state.collected > 0);
@@ -140,7 +140,7 @@ fn two_goals() -> Maze {
 fn a_program_drives_so_with_several_maps_from_one_known_start_and_in_physics() {
     let plan = mapped(two_goals(), Method::XcscrPlus).episodes(60).seed(3);
     let learned = checked("two goals", plan);
-    let Knowledge::Remembering { map, .. } = &learned.knowledge else {
+    let Knowledge::MapRules { map, .. } = &learned.knowledge else {
         panic!("no map");
     };
     assert!(map.states.iter().any(|state| state.cell_map > 0), "one map");
@@ -193,7 +193,7 @@ fn data_of_rules_with_a_map_tell_what_they_look_at_and_json_has_the_maps() {
 fn values_too_close_for_whole_numbers_are_refused_with_a_map_too() {
     let mut learned = Learned::clone(&learned(classic("maze7")));
     let mut json = serde_json::to_value(&learned.knowledge).unwrap();
-    let rules = json["remembering"]["rules"].as_array_mut().unwrap();
+    let rules = json["map-rules"]["rules"].as_array_mut().unwrap();
     rules.truncate(3);
     let values = [1000.0, f64::from_bits(1000_f64.to_bits() + 1), 0.0];
     for ((at, rule), value) in rules.iter_mut().enumerate().zip(values) {

@@ -169,7 +169,7 @@ impl Agent for Composed {
 
     /// Switches to a map if the knowledge has one.
     fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
-        if matches!(knowledge, Knowledge::Remembering { .. }) {
+        if matches!(knowledge, Knowledge::MapRules { .. }) {
             self.change_to_map();
         }
         self.learner_mut().warm_start(knowledge)

@@ -21,14 +21,14 @@ pub enum Knowledge {
     /// (`xcs.value_over_match_set`).
     RulesOverMatchSet(Population),
     /// The rules of an XCS that also predicts transitions.
-    Foresighted {
+    PerceptRules {
         /// The rules for action values.
         rules: Population,
         /// The rules that predict transitions.
         generalisation: Generalisation,
     },
     /// The rules of a learner with a map. Their conditions match contexts, not percepts.
-    Remembering {
+    MapRules {
         /// The rules for action values in a context.
         rules: Population,
         /// The map that contexts refer to.
@@ -60,11 +60,11 @@ impl Knowledge {
     /// Returns the value of each of `actions` actions in a percept.
     pub fn values(&self, percept: &Percept, actions: usize) -> PredictionArray {
         match self {
-            Self::Rules(rules) | Self::Foresighted { rules, .. } => {
+            Self::Rules(rules) | Self::PerceptRules { rules, .. } => {
                 rules.sums(percept).array(actions, false)
             }
             Self::RulesOverMatchSet(rules) => rules.sums(percept).array(actions, true),
-            Self::Remembering { map, .. } => {
+            Self::MapRules { map, .. } => {
                 self.tracked_values(&Tracker::at_start(map, percept), actions)
             }
             Self::Planned(plan) => plan.values(&Tracker::at_start(&plan.map, percept), actions),
@@ -89,7 +89,7 @@ impl Knowledge {
     /// Returns the value of each action for the tracked state; empty without a map.
     pub(super) fn tracked_values(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
         match self {
-            Self::Remembering { map, .. } => self.values_in(&tracker.context(map), actions),
+            Self::MapRules { map, .. } => self.values_in(&tracker.context(map), actions),
             Self::Planned(plan) => plan.values(tracker, actions),
             _ => PredictionArray::new(actions),
         }
@@ -99,7 +99,7 @@ impl Knowledge {
     /// a map.
     pub fn values_in(&self, looked_at: &Percept, actions: usize) -> PredictionArray {
         match self {
-            Self::Remembering { rules, .. } => rules.sums(looked_at).array(actions, false),
+            Self::MapRules { rules, .. } => rules.sums(looked_at).array(actions, false),
             _ => self.values(looked_at, actions),
         }
     }
@@ -107,7 +107,7 @@ impl Knowledge {
     /// Returns the width of the input of the rules, for percepts of `width` bits.
     fn context_width(&self, width: usize) -> usize {
         match self {
-            Self::Remembering { .. } => CONTEXT_BITS,
+            Self::MapRules { .. } => CONTEXT_BITS,
             _ => width,
         }
     }
@@ -115,7 +115,7 @@ impl Knowledge {
     /// Returns the input of the rules when an episode begins with a percept.
     pub fn looked_at(&self, percept: &Percept) -> Percept {
         match self {
-            Self::Remembering { map, .. } => Tracker::at_start(map, percept).context(map),
+            Self::MapRules { map, .. } => Tracker::at_start(map, percept).context(map),
             _ => *percept,
         }
     }
@@ -128,7 +128,7 @@ impl Knowledge {
     /// Returns the map, if there is one.
     pub(super) fn map(&self) -> Option<&Map> {
         match self {
-            Self::Remembering { map, .. } => Some(map),
+            Self::MapRules { map, .. } => Some(map),
             Self::Planned(plan) => Some(&plan.map),
             _ => None,
         }
@@ -139,8 +139,8 @@ impl Knowledge {
         match self {
             Self::Rules(rules)
             | Self::RulesOverMatchSet(rules)
-            | Self::Foresighted { rules, .. }
-            | Self::Remembering { rules, .. } => Some(rules),
+            | Self::PerceptRules { rules, .. }
+            | Self::MapRules { rules, .. } => Some(rules),
             Self::Table(_) | Self::Planned(_) => None,
         }
     }
@@ -148,7 +148,7 @@ impl Knowledge {
     /// Returns the transition generalisation; `None` for methods without one.
     pub fn generalisation(&self) -> Option<&Generalisation> {
         match self {
-            Self::Foresighted { generalisation, .. } => Some(generalisation),
+            Self::PerceptRules { generalisation, .. } => Some(generalisation),
             _ => None,
         }
     }

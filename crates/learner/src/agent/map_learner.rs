@@ -306,7 +306,7 @@ impl Agent for MapLearner {
     fn knowledge(&self) -> Knowledge {
         let map = self.map.clone();
         match self.policy {
-            PolicyKind::Rules => Knowledge::Remembering {
+            PolicyKind::Rules => Knowledge::MapRules {
                 rules: self.learned.rules.clone(),
                 map,
             },
@@ -320,7 +320,7 @@ impl Agent for MapLearner {
     /// Starts from rules and maps of another world. Returns `false` if the plan is the policy: it is not
     /// transferred. With an unknown motion model, the rules are useless, and the maps help only later.
     fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
-        let (PolicyKind::Rules, Knowledge::Remembering { rules, map }) = (self.policy, knowledge)
+        let (PolicyKind::Rules, Knowledge::MapRules { rules, map }) = (self.policy, knowledge)
         else {
             return false;
         };

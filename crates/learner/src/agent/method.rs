@@ -69,7 +69,7 @@ impl Method {
     /// percepts, and several learn tables.
     pub fn of(knowledge: &Knowledge) -> Option<Self> {
         match knowledge {
-            Knowledge::Foresighted { .. } | Knowledge::Remembering { .. } => Some(Self::XcscrPlus),
+            Knowledge::PerceptRules { .. } | Knowledge::MapRules { .. } => Some(Self::XcscrPlus),
             Knowledge::Planned(_) => Some(Self::RMax),
             Knowledge::Rules(_) | Knowledge::RulesOverMatchSet(_) | Knowledge::Table(_) => None,
         }

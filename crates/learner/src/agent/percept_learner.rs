@@ -317,7 +317,7 @@ impl Agent for PerceptLearner {
         let Some(rules) = &self.rules else {
             return Knowledge::Table(self.table());
         };
-        Knowledge::Foresighted {
+        Knowledge::PerceptRules {
             rules: rules.xcs().population().clone(),
             generalisation: Generalisation {
                 collisions: self.collisions.rules(),

@@ -91,7 +91,8 @@ impl Observer for Watch {
             .map(|cell| self.sensor.perceive_at(step.view.maze, cell));
         self.found.observation_error +=
             u64::from(perfect.is_some_and(|perfect| perfect != step.percept));
-        self.found.mislocalised += u64::from(step.view.sensed.is_some_and(|sensed| sensed.lost));
+        self.found.mislocalised +=
+            u64::from(step.view.sensed.is_some_and(|sensed| sensed.mislocalised));
         self.stood = true_cell(&step.view);
     }
 }

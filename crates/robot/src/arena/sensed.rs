@@ -65,5 +65,5 @@ pub struct Sensed<'a> {
     pub beams: &'a [Beam],
     /// True if the robot is mislocalised, that is, in another cell than its estimate. The estimate
     /// may be in a wall or outside the maze. Only an observer has this information.
-    pub lost: bool,
+    pub mislocalised: bool,
 }

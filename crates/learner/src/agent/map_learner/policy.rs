@@ -70,17 +70,17 @@ impl MapLearner {
         let before = std::mem::take(&mut learned.rules);
         // All rollouts draw the same random numbers, which learning does not use.
         let rollout_stream = learned.stream.clone();
-        let mut least_lost = f64::INFINITY;
+        let mut least_regret = f64::INFINITY;
         for &view in View::fit_for(&self.map) {
             let distillation = Distillation::on(&self.map, view, &self.xcs);
             let mut rules = before.clone();
             let (planner, stream) = (&mut learned.planner, &mut learned.stream);
             distillation.correct(&mut rules, &learned.met, planner, stream);
-            let lost = distillation.lost(&rules, planner, &mut rollout_stream.clone());
-            if lost < least_lost {
-                (learned.rules, least_lost) = (rules, lost);
+            let regret = distillation.mean_regret(&rules, planner, &mut rollout_stream.clone());
+            if regret < least_regret {
+                (learned.rules, least_regret) = (rules, regret);
             }
-            if lost <= TOLERATED {
+            if regret <= TOLERATED {
                 return;
             }
         }

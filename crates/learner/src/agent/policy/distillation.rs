@@ -136,7 +136,12 @@ impl<'a> Distillation<'a> {
 
     /// Returns the mean regret of the rules per step, in simulated episodes with observation errors; 0 without
     /// observation errors.
-    pub fn lost(&self, rules: &Population, planner: &BeliefPlanner, stream: &mut Stream) -> f64 {
+    pub fn mean_regret(
+        &self,
+        rules: &Population,
+        planner: &BeliefPlanner,
+        stream: &mut Stream,
+    ) -> f64 {
         match self.observation_error {
             true => roll_out(self.map, planner, rules, SIMULATED, stream),
             false => 0.0,

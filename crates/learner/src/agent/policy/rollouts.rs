@@ -18,7 +18,7 @@ pub fn roll_out(
     episodes: u32,
     stream: &mut Stream,
 ) -> f64 {
-    let (mut steps, mut lost) = (0_u32, 0.0);
+    let (mut steps, mut regret) = (0_u32, 0.0);
     for episode in 0..episodes {
         let mut walker = Walker {
             state: map.begin.unwrap_or(episode % map.starts()),
@@ -32,13 +32,13 @@ pub fn roll_out(
             let values = values.array(map.pomdp.actions(), false);
             let action = exploit(&values, stream);
             steps += 1;
-            lost += costs.regret(action, &map.pomdp);
+            regret += costs.regret(action, &map.pomdp);
             if walker.arrives(map, action, stream) {
                 break;
             }
         }
     }
-    lost / f64::from(steps.max(1))
+    regret / f64::from(steps.max(1))
 }
 
 /// Draws the percept of a state. Each cell may be observed as one of the other two cell states.

@@ -12,16 +12,16 @@ pub(super) fn profile<'a>(
     slips: bool,
 ) -> &'a PhysicsParams {
     match usual.cautious.when {
-        Care::Always => careful,
-        Care::Slipping if slips => careful,
-        Care::Slipping | Care::Never => usual,
+        CautiousDriving::Always => careful,
+        CautiousDriving::Slipping if slips => careful,
+        CautiousDriving::Slipping | CautiousDriving::Never => usual,
     }
 }
 
 /// When the robot drives cautiously.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Care {
+pub enum CautiousDriving {
     /// Never.
     Never,
     /// From the moment it detects wheel slip, and for a while afterwards. Only a robot with sensors
@@ -39,7 +39,7 @@ settings! {
     pub struct CautiousParams {
         /// When to drive cautiously: `never`, `slipping` (from the moment the robot detects wheel
         /// slip, and for a while afterwards) or `always`.
-        when: Care = Care::Slipping;
+        when: CautiousDriving = CautiousDriving::Slipping;
         /// Largest wheel acceleration in cautious driving, in m/s^2.
         wheel_acceleration_mps2: f64 = 2.9, in 0.05..=20.0;
         /// Deceleration before the target in cautious driving, in m/s^2.

@@ -8,7 +8,7 @@
 //! The robot is localised in one of two ways ([`Localisation`]). *Estimated*: the robot has only
 //! its sensor readings. Sensors, estimator and local map are in the crate `xcscr-sensing`. Neither
 //! that crate nor `controller` can access the maze or the true pose; `sensing` connects both sides.
-//! *Told*: for percepts looked up in the maze, the robot gets its true pose with some noise
+//! *Ground truth*: for percepts looked up in the maze, the robot gets its true pose with some noise
 //! (`noise`), and `discretiser` looks up the cell.
 //!
 //! All lengths are in metres and all speeds in m/s, whatever the size of a cell. Inside this folder
@@ -43,7 +43,7 @@ use rapier2d::prelude::SharedShape;
 
 pub use batch::{BatchArena, Lanes};
 use cautious::profile;
-pub use cautious::{Care, CautiousParams};
+pub use cautious::{CautiousDriving, CautiousParams};
 pub use error::PhysicsError;
 pub use params::{Localisation, PhysicsParams};
 pub use pilot::{ManeuverEnd, Pilot};
@@ -140,12 +140,6 @@ impl PhysicsArena {
         };
         arena.reset(cell);
         arena
-    }
-
-    /// Returns true if the engine has dropped the robot because its motion became NaN. Never
-    /// observed.
-    pub fn lost_robot(&self) -> bool {
-        self.simulation.lost_robot()
     }
 
     /// Drives until the manoeuvre ends. Returns true if it ended in time.

@@ -16,7 +16,7 @@ pub enum Localisation {
     /// The robot gets its true pose with some noise, which no real robot has. For percepts that are
     /// looked up in the maze, and for results published with them.
     #[default]
-    Told,
+    GroundTruth,
     /// The robot estimates its pose from its wheels, its gyro and its lidar. Sensed percepts always
     /// require this mode.
     Estimated,
@@ -91,9 +91,9 @@ settings! {
         position_noise_m: f64 = 0.01, in 0.0..=0.03;
         /// Deviation of a measured heading in rad.
         heading_noise_rad: f64 = 0.02, in 0.0..=0.1;
-        /// How the robot is localised: `told` (its true pose with `position_noise_m` and
+        /// How the robot is localised: `ground-truth` (its true pose with `position_noise_m` and
         /// `heading_noise_rad`) or `estimated` (from its sensors).
-        localisation: Localisation = Localisation::Told;
+        localisation: Localisation = Localisation::GroundTruth;
         /// The lidar.
         lidar: LidarParams = LidarParams::default();
         /// The encoders of the wheels.

@@ -186,7 +186,7 @@ impl Pilot {
                 cell,
                 estimates: &[estimate],
                 beams: &[],
-                lost: false,
+                mislocalised: false,
             }),
             executed: None,
             flipped: None,

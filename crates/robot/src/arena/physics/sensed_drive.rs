@@ -33,7 +33,7 @@ impl SensedDrive {
         let robot = params.robot(maze.cell_size_m());
         // The onboard computer of the arena is not needed here.
         let params = PhysicsParams {
-            localisation: Localisation::Told,
+            localisation: Localisation::GroundTruth,
             ..params.clone()
         };
         Ok(Self {

@@ -249,7 +249,7 @@ impl PhysicsArena {
             cell: self.estimated_grid_cell(sensing.pilot.onboard()),
             estimates: &sensing.estimates,
             beams: &sensing.beams,
-            lost: cell_of(truth) != cell_of(estimate),
+            mislocalised: cell_of(truth) != cell_of(estimate),
         })
     }
 }

@@ -115,11 +115,6 @@ impl Simulation {
             .any(|pair| pair.total_impulse_magnitude() > 0.0);
     }
 
-    /// Returns true if the engine has dropped the robot because its motion became NaN.
-    pub(super) fn lost_robot(&self) -> bool {
-        !self.world.quarantine().is_empty()
-    }
-
     /// Returns a copy of the state.
     pub(super) fn state(&self) -> State {
         State {
