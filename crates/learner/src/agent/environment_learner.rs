@@ -50,7 +50,7 @@ impl Default for EnvironmentParams {
         Self {
             gamma: 0.99,
             best_return: None,
-            tries: 10,
+            tries: 20,
             population_size: 5000,
         }
     }
