@@ -219,7 +219,7 @@ impl<'a> Drive<'a> {
             cell,
             estimates: &[],
             beams: &[],
-            lost: false,
+            mislocalised: false,
         };
         let sample = Sample {
             time_ns: 0,
