@@ -11,6 +11,7 @@ mod late_files;
 #[cfg(target_os = "linux")]
 mod million;
 mod own_agents;
+mod reports;
 #[cfg(unix)]
 mod sharing;
 mod studies;

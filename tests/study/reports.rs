@@ -1,0 +1,212 @@
+//! The reports of studies: what they compare, correct, draw and leave out.
+
+use crate::desk::{Desk, SMALL};
+use serde_json::Value;
+
+#[test]
+fn the_fewest_steps_are_told_with_the_arena_only_where_there_are_several() {
+    let desk = Desk::new();
+    let text = SMALL.replace(", \"maze5\"", "").replace("xcscr", "r-max");
+    desk.write("one.toml", &text);
+    desk.write("two.toml", &(text + "arenas = [\"grid\", \"physics\"]\n"));
+    let told = |name: &str| {
+        let said = desk.done(&format!(
+            "run {name}.toml --out {name} --trials 1 --episodes 40"
+        ));
+        let said = said.replace('\n', " ");
+        let from = said.find("fewest steps to the first optimum").unwrap();
+        said[from..].chars().take(90).collect::<String>()
+    };
+    let (one, two) = (told("one"), told("two"));
+    assert!(!one.contains("maze4 grid"), "{one}");
+    let both = two.contains("maze4 grid") && two.contains("maze4 physics");
+    assert!(both, "{two}");
+}
+
+#[test]
+fn only_the_papers_own_experiment_is_set_beside_the_paper() {
+    let desk = Desk::new();
+    let printed = desk.done("run small.toml --episodes 180 --trials 1 --out a");
+    let heading = "Comparison with the paper";
+    for words in [heading, "p = 0.8646", "Eq. 6: the denominator"] {
+        assert!(printed.contains(words), "{words} is missing in\n{printed}");
+    }
+    let other = SMALL.replace("trials = 4", "sensors = [\"position\"]\ntrials = 1");
+    desk.write("other.toml", &other.replace("= 12", "= 180"));
+    assert!(!desk.done("run other.toml --out b").contains(heading));
+    let finished = Desk::finished().done("report whole");
+    assert!(
+        !finished.contains(heading),
+        "12 episodes are not the paper's"
+    );
+}
+
+#[test]
+fn what_was_learned_before_or_turned_off_is_compared_with_nothing() {
+    let desk = Desk::new();
+    let [after, without] = [
+        vec!["after maze6 − after nothing"],
+        vec![
+            "without plus.return_rules − without nothing",
+            "without plus.certainty − without nothing",
+        ],
+    ];
+    let parts = r#"without = ["plus.return_rules", "plus.certainty=1"]"#;
+    for (name, keys, compared) in [
+        ("after", r#"after = ["nothing", "maze6"]"#, after),
+        ("without", parts, without),
+    ] {
+        let text = SMALL.replace("\"xcs\", \"xcscr\"", "\"xcscr-plus\"");
+        desk.write(&format!("{name}.toml"), &format!("{keys}\n{text}"));
+        desk.done(&format!("run {name}.toml --out {name}"));
+        let printed = desk.done(&format!("report {name} --format md"));
+        for words in compared {
+            let words = format!("xcscr-plus {words}");
+            assert!(printed.contains(&words), "{words}: {printed}");
+        }
+    }
+    // Both at once, with settings and sensors of a world.
+    let both = r#"
+        name = "both"
+        worlds = ["rooms-8-1"]
+        after = ["nothing", "maze4"]
+        methods = ["xcscr-plus"]
+        trials = 3
+        episodes = 10
+        without = ["plus.return_rules"]
+        [world-settings]
+        rooms-8-1 = { "reward.step_threshold" = 60 }
+        [world-sensors]
+        rooms-8-1 = ["neighbours-position"]
+    "#;
+    desk.write("both.toml", both);
+    desk.done("run both.toml --out both");
+    let table = desk.read("both/trials.csv");
+    for (words, rows) in [
+        ("after=nothing without=nothing", 3),
+        ("after=nothing without=plus.return_rules", 3),
+        ("after=maze4", 6),
+        ("neighbours-position", 12),
+    ] {
+        assert_eq!(table.matches(words).count(), rows, "{words}: {table}");
+    }
+}
+
+#[test]
+fn a_report_says_what_came_out_and_draws_it() {
+    let desk = Desk::finished();
+    let printed = desk.done("report whole");
+    for words in ["maze5", "xcscr − xcs", "Pairwise comparisons"] {
+        assert!(printed.contains(words), "{words} is missing in\n{printed}");
+    }
+    let files = "report.md trials.csv summary.json curves.svg first-optimal.png steps.svg";
+    for file in files.split(' ') {
+        assert!(desk.path("whole").join(file).is_file(), "{file}");
+    }
+    let report = desk.json("report whole --json");
+    assert_eq!(report["arms"].as_array().unwrap().len(), 4);
+    assert_eq!(report, desk.json("report whole --format json"));
+    let summary: Value = serde_json::from_str(&desk.read("whole/summary.json")).unwrap();
+    let keys = "trials successes wilson_low median_episode p95_episode retained";
+    for key in keys.split(' ') {
+        assert!(summary["arms"][0].get(key).is_some(), "{key}");
+    }
+}
+
+/// Holm's step-down correction, written from its definition.
+fn step_down(ps: &[f64]) -> Vec<f64> {
+    let corrected = |p: f64| {
+        let as_small = ps.iter().filter(|&&other| other <= p);
+        let factor = |one: f64| ps.iter().filter(|&&other| other >= one).count() as f64;
+        as_small
+            .map(|&one| (one * factor(one)).min(1.0))
+            .fold(0.0, f64::max)
+    };
+    ps.iter().map(|&p| corrected(p)).collect()
+}
+
+#[test]
+fn tests_are_corrected_for_all_worlds_and_methods_that_are_compared() {
+    let desk = Desk::new();
+    desk.write(
+        "three.toml",
+        "name = \"three\"\nworlds = [\"maze4\", \"maze5\"]\nmethods = [\"q-learning\", \"xcs\", \"xcscr\"]\n\
+         trials = 12\nepisodes = 40\n",
+    );
+    desk.done("run three.toml --out a");
+    let report = desk.json("report a --json");
+    let comparisons = report["comparisons"].as_array().unwrap();
+    let column = |name: &str| -> Vec<f64> {
+        let cells = comparisons.iter().map(|one| one[name].as_f64().unwrap());
+        cells.collect()
+    };
+    let (ps, found) = (column("mcnemar_p"), column("holm_p"));
+    assert_eq!(ps.len(), 4, "two worlds, two other methods");
+    for (found, expected) in found.iter().zip(step_down(&ps)) {
+        let off = (found - expected).abs();
+        assert!(off < 1e-5, "{ps:?}: {found} {expected}");
+    }
+    // Control: a correction over the two worlds of a pair alone would at most double a p.
+    let more_than_doubled = |(found, p): (&f64, &f64)| *found > 2.0 * p + 1e-9;
+    let is_so = found.iter().zip(&ps).any(more_than_doubled);
+    assert!(is_so, "{ps:?} {found:?}");
+}
+
+#[test]
+fn an_ablation_tells_what_each_switch_contributes_and_a_sample_tries_some_combinations() {
+    let desk = Desk::new();
+    let printed = desk.done("run ablation --out a --trials 1 --episodes 3");
+    assert!(printed.contains("Contribution of each switch"), "{printed}");
+    assert!(desk.path("a/ablation.svg").is_file());
+    assert_eq!(desk.read("a/trials.csv").lines().count(), 49);
+    let sweep = "sample = 3\n[sweep]\n\"xcs.beta\" = [0.1, 0.2, 0.3]\n\"xcs.mu\" = [0.1, 0.2]\n";
+    desk.write("sample.toml", &(SMALL.to_owned() + sweep));
+    desk.done("run sample.toml --out b --trials 1");
+    let status = desk.done("status b");
+    // 2 worlds x 2 methods x 3 of 6 combinations.
+    assert!(status.contains("12 of 12 trials"), "{status}");
+}
+
+/// Every address or file that a page would fetch names it in one of these ways.
+const FETCHES: [&str; 9] = [
+    "http:", "https:", "//", " src", " href", "url(", "@import", "<link", "fetch(",
+];
+
+#[test]
+fn the_html_report_is_one_page_that_needs_nothing_else_and_has_the_parts_of_a_results_section() {
+    let desk = Desk::finished();
+    let page = desk.done("report whole --format html");
+    assert_eq!(page, desk.read("whole/report.html"));
+    // Comments of the script are no addresses.
+    let is_code = |line: &&str| !line.trim_start().starts_with("// ");
+    let code: Vec<&str> = page.lines().filter(is_code).collect();
+    let code = code.join("\n");
+    for fetch in FETCHES {
+        let at = code.find(fetch);
+        let around = at.map(|at| &code[at.saturating_sub(80)..(at + 80).min(code.len())]);
+        assert_eq!(around, None, "{fetch}");
+    }
+    for words in ["default-src 'none'", "prefers-color-scheme: dark"] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert_eq!(page.matches("<svg ").count(), 3, "all figures are inside");
+    let markdown = desk.done("report whole --format md");
+    let headings = markdown.lines().filter_map(|line| line.strip_prefix("## "));
+    let sections = "Question Setup Table Figures Tests Limitations".split(' ');
+    assert!(headings.eq(sections.clone()), "{markdown}");
+    for section in sections {
+        assert!(page.contains(&format!("<h2>{section}</h2>")), "{section}");
+    }
+}
+
+#[test]
+fn names_and_errors_from_files_stay_text_in_reports_and_tables() {
+    let desk = Desk::new();
+    desk.write("evil.toml", &SMALL.replace("small", "<img src=x>"));
+    desk.done("run evil.toml --out a --quiet --trials 1");
+    let report = desk.read("a/report.md");
+    assert!(report.starts_with("# Study \\<img src=x>"), "{report}");
+    let page = desk.read("a/report.html");
+    let is_text = !page.contains("<img") && page.contains("&lt;img src=x");
+    assert!(is_text, "{page}");
+}
