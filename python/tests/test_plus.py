@@ -132,7 +132,9 @@ def test_wrong_arguments_percepts_and_calls_are_refused():
     for arguments, message in [
         ({"gamma": 1.0}, "`gamma` is 1"),
         ({"gamma": float("nan")}, "`gamma` is nan"),
-        ({"tries": 0}, "`tries` is 0"),
+        ({"tries": 1}, "`tries` is 1"),
+        ({"seed": -1}, "`seed` is -1"),
+        ({"best_return": 10**400}, "too large"),
         ({"population_size": 0}, "`population_size` is 0"),
         ({"best_return": float("inf")}, "best_return"),
         ({"n_bits": 321}, "at most 320"),
@@ -147,6 +149,8 @@ def test_wrong_arguments_percepts_and_calls_are_refused():
     with pytest.raises(TypeError, match="with integers"):
         xcscr.Plus.for_env(gymnasium.make("CartPole-v1"))
     learner = xcscr.Plus(2, n_bits=3)
+    with pytest.raises(ValueError, match="not a whole number"):
+        learner.act([0.9, 0.9, -0.5])
     with pytest.raises(ValueError, match="outside of its space"):
         learner.act([0, 2, 1])
     with pytest.raises(ValueError, match="call act before update"):

@@ -149,7 +149,7 @@ class Learner:
         learner = cls.__new__(cls)
         try:
             learner.__setstate__(json.loads(Path(path).read_text(encoding="utf-8")))
-        except (KeyError, TypeError, AttributeError, UnicodeDecodeError) as error:
+        except (KeyError, TypeError, AttributeError, UnicodeDecodeError, OverflowError) as error:
             raise ValueError(f"{os.fspath(path)} is not a saved xcscr.{cls.__name__}, or it is damaged") from error
         return learner
 

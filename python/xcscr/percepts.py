@@ -52,7 +52,10 @@ class States:
         return sum(map(_bits_of, self.counts))
 
     def rows(self, observations: Any) -> Any:
-        numbers = _flat(observations).reshape(-1, len(self.counts)).astype(int) - numpy.array(self.starts)
+        given = _flat(observations).reshape(-1, len(self.counts))
+        numbers = given.astype(int) - numpy.array(self.starts)
+        if (given != given.astype(int)).any():
+            raise ValueError("a discrete percept has a value that is not a whole number")
         if (numbers < 0).any() or (numbers >= numpy.array(self.counts)).any():
             raise ValueError("a discrete percept is outside of its space")
         variables, values, is_one_hot = _layout(self.counts)

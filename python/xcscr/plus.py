@@ -51,8 +51,8 @@ class Plus(Learner):
         - `best_return`: the return that an unknown action may bring. Exploration ends when no unknown action can be
           better than the known ones. By default, the greatest return seen so far, at least 0. Set it if a great
           reward may follow steps that cost much, or if a small reward may hide it.
-        - `tries`: an action is known after this many tries, once the results of some action have varied. If none
-          have, one try is enough.
+        - `tries`: an action is known after this many tries (2 to 10,000), once different percepts have followed some
+          action. Before that, one try is enough; so an action whose reward alone is random may be misjudged.
         - `population_size`: the greatest number of rules
 
         Raises ValueError if a value is out of range.
@@ -98,8 +98,13 @@ class Plus(Learner):
             )
         if n_actions > MOST_ACTIONS:
             raise ValueError(f"there are {n_actions} actions, but at most {MOST_ACTIONS} are possible")
+        if not 0 <= seed < 2**64:
+            raise ValueError(f"`seed` is {seed}, but must be from 0 to 2^64 - 1")
         self._percepts, self._seed, self.episode_returns = percepts, int(seed), []
-        best_return = None if best_return is None else float(best_return)
+        try:
+            best_return = None if best_return is None else float(best_return)
+        except OverflowError as error:
+            raise ValueError("`best_return` is too large for a number of 64 bits") from error
         for name, number in (("gamma", gamma), ("best_return", best_return or 0.0)):
             if not math.isfinite(number):
                 raise ValueError(f"`{name}` is {number}, but must be a number")

@@ -24,6 +24,8 @@ pub enum Fault {
     ScanAhead(f64),
     /// This share of a scan's ranges is not a number, or the scan has no ranges.
     InvalidRanges(f64),
+    /// Hardly any beam of a scan returned: this many.
+    NoReturns(usize),
     /// A pose or a speed is not a number.
     InvalidOdometry,
     /// A message has an unexpected frame.
@@ -82,6 +84,7 @@ impl Fault {
             | Self::ClocksDisagree(_)
             | Self::ScanAhead(_)
             | Self::InvalidRanges(_)
+            | Self::NoReturns(_)
             | Self::InvalidOdometry
             | Self::WrongFrame { .. }
             | Self::WrongLidar { .. }
@@ -100,6 +103,7 @@ impl Fault {
             Self::ClocksDisagree(_) => "clocks-disagree",
             Self::ScanAhead(_) => "scan-ahead",
             Self::InvalidRanges(_) => "invalid-ranges",
+            Self::NoReturns(_) => "no-returns",
             Self::InvalidOdometry => "invalid-odometry",
             Self::WrongFrame { .. } => "wrong-frame",
             Self::WrongLidar { .. } => "wrong-lidar",
@@ -136,6 +140,10 @@ impl fmt::Display for Fault {
                 to,
                 "{:.0} % of the ranges of a scan are not a number",
                 100.0 * share
+            ),
+            Self::NoReturns(count) => write!(
+                to,
+                "only {count} beams of a scan returned; uncover the lidar, or bring the robot nearer to a wall"
             ),
             Self::InvalidOdometry => write!(to, "a pose or a speed on /odom is not a number"),
             Self::WrongFrame {

@@ -303,5 +303,6 @@ impl Timeline {
 
 /// Returns the time of a beam of a scan, in nanoseconds.
 pub fn beam_time_ns(scan: &Scan, number: usize) -> u64 {
-    scan.stamp_ns + (number as f64 * scan.time_increment_s.max(0.0) * 1e9).round() as u64
+    let after_ns = (number as f64 * scan.time_increment_s.max(0.0) * 1e9).round() as u64;
+    scan.stamp_ns.saturating_add(after_ns)
 }

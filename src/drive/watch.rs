@@ -19,6 +19,11 @@ const JUMP_NS: u64 = 500_000_000;
 const DISAGREEMENT_NS: u64 = 1_000_000_000;
 /// The maximum share of ranges that are not a number.
 const INVALID: f64 = 0.5;
+/// The least share of the beams of a scan that return. A lidar that is covered returns nothing.
+const LEAST_RETURNS: f64 = 0.02;
+/// The most that the time between beams may exceed that of the profile. A lidar that does not turn reports
+/// infinity.
+const SLOWEST: f64 = 10.0;
 /// The maximum differences of the lidar from the profile: in range, as a share, and in beams per
 /// turn.
 const RANGE_SHARE: f64 = 0.05;
@@ -240,6 +245,16 @@ impl Watch {
         if invalid as f64 > INVALID * beams as f64 || beams == 0 {
             return Some(Fault::InvalidRanges(invalid as f64 / beams.max(1) as f64));
         }
+        let expected = 1.0 / (self.lidar.rate_hz * f64::from(self.lidar.beams));
+        let found = scan.time_increment_s;
+        if !found.is_finite() || found > SLOWEST * expected {
+            let what = "time_increment";
+            return Some(Fault::WrongLidar {
+                what,
+                found,
+                expected,
+            });
+        }
         let expected = self.lidar.beams as usize;
         if beams.abs_diff(expected) > BEAMS {
             return Some(Fault::WrongLidar {
@@ -255,6 +270,11 @@ impl Watch {
                 found: scan.range_max_m,
                 expected,
             });
+        }
+        let returns = (0..beams).filter(|beam| scan.measured_m(*beam).is_some());
+        let returns = returns.count();
+        if returns == 0 || (returns as f64) < LEAST_RETURNS * beams as f64 {
+            return Some(Fault::NoReturns(returns));
         }
         if let Some(odometry) = self.odometry
             && scan.stamp_ns.abs_diff(odometry.stamp_ns) > DISAGREEMENT_NS

@@ -12,6 +12,7 @@ mod mode;
 pub mod player;
 mod read;
 mod repair;
+pub(crate) mod resume_hint;
 mod ros;
 mod serve;
 mod highlights;

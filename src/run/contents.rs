@@ -7,8 +7,8 @@ use std::path::Path;
 
 use serde::de::IgnoredAny;
 
-use super::resume_hint::CHECKPOINT;
 use crate::disk::{self, LOCK};
+use crate::record::resume_hint::CHECKPOINT;
 use crate::trial::is_sealed;
 
 /// The world as used by the run.

@@ -4,9 +4,9 @@ use std::fmt::Display;
 use std::io;
 use std::path::Path;
 
-use super::resume_hint::{has_checkpoint, resume_hint};
 use crate::disk;
 use crate::error::ErrorKind;
+use crate::record::resume_hint::{has_checkpoint, resume_hint};
 
 pub use crate::error::Error as RunError;
 

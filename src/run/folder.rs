@@ -9,11 +9,11 @@ use serde::de::DeserializeOwned;
 
 use super::contents::{CONFIG, Contents, PAGE, RULES, WORLD, file_names, is_of_a_run};
 use super::error::{self, RunError};
-use super::resume_hint::{CHECKPOINT, has_checkpoint, resume_hint};
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK};
 use crate::error::ErrorKind;
 use crate::record::RecordingKind;
+use crate::record::resume_hint::{CHECKPOINT, way_to_resume};
 use crate::trial::{CheckpointError, Config, Plan, seal, unseal};
 use crate::world::Maze;
 
@@ -119,7 +119,7 @@ impl RunFolder {
 
     /// Returns how to resume the run, for the end of a message; empty without a checkpoint.
     pub fn resume_hint(&self) -> String {
-        Self::way_to_resume(&self.path).map_or_else(String::new, |hint| format!("; {hint}"))
+        way_to_resume(&self.path).map_or_else(String::new, |hint| format!("; {hint}"))
     }
 
     /// Returns the path of the folder.
@@ -194,11 +194,6 @@ impl RunFolder {
     pub fn page(&self) -> Option<PathBuf> {
         let page = self.path.join(PAGE);
         page.is_file().then_some(page)
-    }
-
-    /// Returns how to resume the run in a folder, if it was stopped.
-    pub fn way_to_resume(folder: &Path) -> Option<String> {
-        has_checkpoint(folder).then(|| resume_hint(folder))
     }
 
     /// Saves a checkpoint and replaces an earlier one.

@@ -33,7 +33,6 @@ mod highlights;
 mod rerun;
 mod untouched;
 mod verify;
-mod resume_hint;
 
 pub use error::RunError;
 pub use evaluation::{clear_evaluation, record_evaluation};

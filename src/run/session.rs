@@ -10,12 +10,12 @@ use super::error::{self, RunError};
 use super::facts::run_info;
 use super::folder::RunFolder;
 use super::highlights::Material;
-use super::resume_hint::resume_hint;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::error::ErrorKind;
 use crate::record::player;
 use crate::record::reader::Recording;
+use crate::record::resume_hint::resume_hint;
 use crate::record::{RecordMode, RecordSummary, Recorder, RecorderMemory, Tap};
 use crate::trial::{Checkpoint, Trial};
 

@@ -101,3 +101,32 @@ fn scans_of_the_lds_01_need_an_option_and_reach_the_goal_with_it() {
     let is_ahead = |fault: &Fault| fault.name() == "scan-ahead";
     assert!(faults.iter().any(is_ahead), "{faults:?}");
 }
+
+#[test]
+fn a_covered_lidar_and_one_that_does_not_turn_stop_the_robot_until_they_work_again() {
+    let covered = |readings: &mut Readings| {
+        for scan in &mut readings.scans {
+            scan.ranges_m.fill(0.0);
+        }
+    };
+    let standing = |readings: &mut Readings| {
+        for scan in &mut readings.scans {
+            scan.time_increment_s = f64::INFINITY;
+        }
+    };
+    let faults: [(&str, &dyn Fn(&mut Readings)); 2] =
+        [("no-returns", &covered), ("wrong-lidar", &standing)];
+    for (name, tamper) in faults {
+        let mut rig = burger(1, DriveOptions::default());
+        let moves = (0..100).any(|_| rig.tick(|_| ()).command != Speeds::default());
+        assert!(moves, "control: it drives with a lidar that works");
+        let stops = (0..20).any(|_| {
+            let step = rig.tick(tamper);
+            step.faults.iter().any(|fault| fault.name() == name)
+        });
+        assert!(stops, "no {name}");
+        assert_eq!(rig.tick(tamper).command, Speeds::default(), "{name}");
+        let step = drive_with(&mut rig, |_| ());
+        assert_eq!(step.phase, Phase::AtGoal, "{name}: {step:?}");
+    }
+}

@@ -16,7 +16,7 @@ use crate::error::ErrorKind;
 use crate::record::error::{self, RecordError};
 use crate::record::info::{KIND, RecordingKind, RunKind};
 use crate::record::json::json_tree;
-use crate::run::RunFolder;
+use crate::record::resume_hint::way_to_resume;
 
 /// A recording in memory with valid checksums.
 #[derive(Debug, Clone)]
@@ -93,7 +93,7 @@ impl Recording {
     pub fn open(path: &Path) -> Result<Self, RecordError> {
         let bytes = disk::read(path, disk::MOST_BYTES).map_err(error::read(path))?;
         let folder = path.parent().filter(|_| is_unfinished(path));
-        match folder.and_then(RunFolder::way_to_resume) {
+        match folder.and_then(way_to_resume) {
             Some(hint) => {
                 let message = format!(
                     "this run was interrupted, and no viewer can open its unfinished recording; {hint}"

@@ -39,7 +39,7 @@ pub struct EnvironmentParams {
     /// The return that an unknown action may bring. `None`: the greatest return seen so far, at least 0. A greater one
     /// behind costs may then stay unknown.
     pub best_return: Option<f64>,
-    /// The tries that make a pair known, once the results of some pair have varied.
+    /// The tries that make a pair known, once different percepts have followed some pair: 2 to 10,000.
     pub tries: u32,
     /// The maximum number of rules.
     pub population_size: u32,
@@ -63,7 +63,7 @@ impl EnvironmentParams {
     /// The first parameter out of range.
     pub fn check(&self) -> Result<(), OutOfRange> {
         within("gamma", self.gamma, 0.0..=0.9999)?;
-        within("tries", self.tries, 1..=10_000)?;
+        within("tries", self.tries, 2..=10_000)?;
         within("population_size", self.population_size, 1..=1_000_000)?;
         let range = -GREATEST_REWARD..=GREATEST_REWARD;
         self.best_return

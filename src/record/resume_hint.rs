@@ -5,17 +5,22 @@ use std::path::Path;
 use crate::disk;
 
 /// The recent state of an unfinished run.
-pub(super) const CHECKPOINT: &str = "checkpoint";
+pub(crate) const CHECKPOINT: &str = "checkpoint";
 
 /// Returns true if there is a checkpoint to resume from.
-pub(super) fn has_checkpoint(folder: &Path) -> bool {
+pub(crate) fn has_checkpoint(folder: &Path) -> bool {
     folder.join(CHECKPOINT).is_file()
 }
 
 /// Returns how to resume a run.
-pub(super) fn resume_hint(folder: &Path) -> String {
+pub(crate) fn resume_hint(folder: &Path) -> String {
     format!(
         "resume it with `xcscr train --resume {}`",
         disk::typed(folder)
     )
+}
+
+/// Returns how to resume the run in a folder, if it was stopped.
+pub(crate) fn way_to_resume(folder: &Path) -> Option<String> {
+    has_checkpoint(folder).then(|| resume_hint(folder))
 }
