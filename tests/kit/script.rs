@@ -13,8 +13,8 @@
 //! same FOLDER FOLDER                        both have the same files with the same bytes
 //! ```
 //!
-//! A command that is refused (2, 65, 66 and 73) prints no result and changes no file. No command prints
-//! what a terminal obeys.
+//! A command that is refused (2, 65, 66 and 73) prints no result and changes no file. Warnings and errors
+//! do not go to stdout. No command prints what a terminal obeys.
 
 use std::fs;
 use std::path::Path;
@@ -84,6 +84,10 @@ fn command(desk: &Desk, code: i32, line: &str, what: &str) {
     let (stdout, stderr) = desk.run(code, line);
     let said = format!("{stdout}{stderr}");
     assert!(!said.contains(is_obeyed), "{what}\n{said:?}");
+    let is_told_apart = !["warning:", "error:"]
+        .iter()
+        .any(|word| stdout.contains(word));
+    assert!(is_told_apart || line.contains("check"), "{what}\n{stdout}");
     for words in parts {
         match words.strip_prefix('!') {
             Some(words) => assert!(!said.contains(words), "{what}\n{said}"),
