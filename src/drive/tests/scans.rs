@@ -114,9 +114,8 @@ fn a_covered_lidar_and_one_that_does_not_turn_stop_the_robot_until_they_work_aga
             scan.time_increment_s = f64::INFINITY;
         }
     };
-    let faults: [(&str, &dyn Fn(&mut Readings)); 2] =
-        [("no-returns", &covered), ("wrong-lidar", &standing)];
-    for (name, tamper) in faults {
+    let tampers: [fn(&mut Readings); 2] = [covered, standing];
+    for (name, tamper) in ["no-returns", "wrong-lidar"].into_iter().zip(tampers) {
         let mut rig = burger(1, DriveOptions::default());
         let moves = (0..100).any(|_| rig.tick(|_| ()).command != Speeds::default());
         assert!(moves, "control: it drives with a lidar that works");
