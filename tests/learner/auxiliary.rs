@@ -97,7 +97,7 @@ fn best(maze: &Maze, start: Cell, steps: u32) -> f64 {
 const BESIDE: [&str; 5] = ["#######", "#S...G#", "#.#####", "#*#####", "#######"];
 const START: Cell = Cell { col: 1, row: 1 };
 
-/// A world with three cells that pay.
+/// A world with three auxiliary rewards.
 pub const SIX: [&str; 7] = [
     "##########",
     "#..#...#.#",

@@ -1,4 +1,4 @@
-//! A learner with a map where places look alike, and one without.
+//! A learner with a map where cells share a percept, and one without.
 
 use std::sync::Arc;
 
@@ -129,7 +129,7 @@ fn rules_look_at_the_percept_alone_where_that_is_enough_and_at_the_place_where_i
         let [beyond, all] = rules_beyond_the_percept(world);
         assert!(beyond == 0 && all > 0, "{world}: {beyond} of {all} rules");
     }
-    // In Maze4, too, two cells look alike in which different actions are best.
+    // In Maze4, too, two cells share a percept in which different actions are best.
     for world in ["maze4", "classic/woods101", "classic/maze10"] {
         let [beyond, all] = rules_beyond_the_percept(world);
         assert!(beyond > 0, "control, {world}: {beyond} of {all} rules");

@@ -59,7 +59,7 @@ fn moves_that_never_slip_are_not_held_for_slipping_where_observations_have_error
     for (world, slip, [least, most]) in [
         ("classic/mazef4", 0.0, [0.0, 0.0]),
         ("classic/woods14", 0.0, [0.0, 0.0]),
-        // Where nearly all places look alike some misread cells are taken for slips: in about half of the trials
+        // Where nearly all cells share a percept, some observation errors are taken for slips: in about half of the trials
         // for one move in 50, in some for one in 25.
         ("classic/mazee2", 0.0, [0.0, 0.05]),
         // Control.

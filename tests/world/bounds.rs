@@ -28,7 +28,7 @@ fn by_percept(sensor: Sensor, maze: &Maze, cells: &[Cell]) -> BTreeMap<Percept, 
     groups
 }
 
-/// The least sum of steps from some cells that look alike: all sequences of actions and percepts up to
+/// The least sum of steps from some cells that share a percept: all sequences of actions and percepts up to
 /// a depth are tried; `None` if none of them gets everywhere to a goal.
 fn brute_belief(sensor: Sensor, maze: &Maze, cells: &[Cell], depth: u32) -> Option<u32> {
     let left = depth.checked_sub(1)?;

@@ -42,7 +42,7 @@ const FIGURES: [(&str, usize, u32, Group); 29] = [
     ("woods14", 18, 171, Group::None),
 ];
 
-/// How cells that look alike differ (Zatuchna and Bagnall 2009).
+/// How cells that share a percept differ (Zatuchna and Bagnall 2009).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Group {
     None,

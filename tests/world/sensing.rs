@@ -33,7 +33,7 @@ fn arena(world: &str, params: &PhysicsParams, seed: u64) -> PhysicsArena {
 }
 
 /// Random moves in a world that ships.
-fn wander(world: &str, params: &PhysicsParams, seed: u64, moves: usize) -> Tally {
+fn drive_at_random(world: &str, params: &PhysicsParams, seed: u64, moves: usize) -> Tally {
     Tally::of(&mut arena(world, params, seed), seed, moves)
 }
 
@@ -113,7 +113,7 @@ fn a_robot_that_only_senses_goes_where_it_is_told_at_every_noise_level() {
     for world in MAZES {
         for (level, error, heading, percepts) in claims {
             let moves = moves(300);
-            let mut tally = wander(world, &senses(level), 1, moves);
+            let mut tally = drive_at_random(world, &senses(level), 1, moves);
             let error_cm = [mean(&tally.error_cm), quantile(&mut tally.error_cm, 0.99)];
             let heading_deg = quantile(&mut tally.heading_deg, 0.99);
             let nees = mean(&tally.nees);
@@ -137,14 +137,14 @@ fn a_robot_that_only_senses_goes_where_it_is_told_at_every_noise_level() {
 fn faults(change: impl Fn(&mut PhysicsParams)) -> u32 {
     let mut params = senses(1.0);
     change(&mut params);
-    wander("maze5", &params, 2, 600).faults()
+    drive_at_random("maze5", &params, 2, 600).faults()
 }
 
 /// What of the claims at level 1 does not hold with something changed.
 fn broken_claims(change: impl Fn(&mut PhysicsParams)) -> Vec<&'static str> {
     let mut params = senses(1.0);
     change(&mut params);
-    let mut tally = wander("maze5", &params, 1, 600);
+    let mut tally = drive_at_random("maze5", &params, 1, 600);
     let (faults, nees) = (tally.faults(), mean(&tally.nees));
     let error_cm = quantile(&mut tally.error_cm, 0.99);
     let heading_deg = quantile(&mut tally.heading_deg, 0.99);
@@ -221,7 +221,7 @@ fn in_a_long_corridor_a_robot_that_only_senses_does_not_get_lost() {
 fn on_wet_floor(when: CautiousDriving) -> Tally {
     let mut params = senses(1.0);
     params.cautious.when = when;
-    wander("maze5-wet", &params, 1, moves(1_000))
+    drive_at_random("maze5-wet", &params, 1, moves(1_000))
 }
 
 #[test]
@@ -244,9 +244,9 @@ fn on_slippery_floor_the_robot_notices_that_its_wheels_slip_and_with_care_no_mov
     // Control: where nothing slips it never slows down, at no noise level.
     for level in [1.0, 3.0] {
         let mut params = senses(level);
-        let watchful = wander("maze5", &params, 1, 300).steps;
+        let watchful = drive_at_random("maze5", &params, 1, 300).steps;
         params.cautious.when = CautiousDriving::Never;
-        let fast = wander("maze5", &params, 1, 300).steps;
+        let fast = drive_at_random("maze5", &params, 1, 300).steps;
         assert_eq!(watchful, fast, "level {level}");
     }
 }
@@ -256,12 +256,12 @@ fn on_slippery_floor_the_filter_is_as_sure_as_it_may_be() {
     // With three degrees of freedom an honest filter has 3; its caution makes it less.
     let honest = 1.5..4.0;
     for seed in 1..=3 {
-        let nees = mean(&wander("maze5-wet", &senses(1.0), seed, moves(1_000)).nees);
+        let nees = mean(&drive_at_random("maze5-wet", &senses(1.0), seed, moves(1_000)).nees);
         assert!(honest.contains(&nees), "seed {seed}: {nees}");
     }
     let mut params = senses(1.0);
     params.estimator.caution = 0.5;
-    let control = mean(&wander("maze5-wet", &params, 1, moves(1_000)).nees);
+    let control = mean(&drive_at_random("maze5-wet", &params, 1, moves(1_000)).nees);
     assert!(!honest.contains(&control), "control: {control}");
 }
 

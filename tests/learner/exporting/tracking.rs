@@ -121,7 +121,7 @@ fn a_program_drives_so_where_cells_pay_by_themselves() {
     }
 }
 
-/// A world with two goals that look alike from far away.
+/// A world with two goals that share their percepts from far away.
 fn two_goals() -> Maze {
     drawn(&[
         "#########",
