@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use xcscr::agent::Chosen;
+use xcscr::agent::{Chosen, Estimator};
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
@@ -19,10 +19,7 @@ use super::terminal::{file_link, print_maze, write_link, write_row};
 /// The legend of the drawn maze.
 const LEGEND: &str = "→ best action   + several are best   ? nothing known   G goal";
 /// The legend of the arrows if the best action depends on the history.
-const ARROWS: &str = "arrows: as if an episode began there";
-
-/// The state of a learner with a map.
-const ON_A_MAP: &str = "cell on its own map: some cells share a percept";
+const ARROWS: &str = "each arrow is for an episode that begins in its cell";
 
 /// The result of a training run, as `--json` prints it.
 #[derive(Debug, Serialize)]
@@ -37,6 +34,9 @@ pub struct TrainReport {
     optimal_steps: Option<u32>,
     /// The number of shortest paths; `null` if episodes start anywhere.
     optimal_paths: Option<u64>,
+    /// The mean number of steps of a shortest path, over all starts.
+    #[serde(skip)]
+    mean_optimal_steps: f64,
     first_optimal_episode: Option<u32>,
     first_optimal_env_steps: Option<u64>,
     first_executed_optimal_episode: Option<u32>,
@@ -80,6 +80,7 @@ impl TrainReport {
             episodes: progress.episodes,
             optimal_steps: facts.optimal_steps,
             optimal_paths: facts.optimal_paths,
+            mean_optimal_steps: facts.mean_optimal_steps,
             first_optimal_episode: progress.first_optimal_episode,
             first_optimal_env_steps: progress.first_optimal_env_steps,
             first_executed_optimal_episode: progress.first_executed_optimal_episode,
@@ -128,13 +129,17 @@ impl TrainReport {
         writeln!(out, "{}", self.headline())?;
         write_row(out, "shortest path", self.shortest_path())?;
         write_row(out, "first optimal", self.first_optimal())?;
-        write_row(out, "greedy policy now", self.greedy())?;
+        write_row(out, "greedy policy", self.greedy())?;
         self.print_failure(trial, out)?;
         let counts = format!("{}, {}", self.steps, self.collisions);
         write_row(out, "steps, collisions", counts)?;
-        write_row(out, "chosen by", self.chosen)?;
+        write_row(out, "steps chosen by", self.chosen)?;
         if self.estimator == "map" {
-            write_row(out, "state", ON_A_MAP)?;
+            let reason = match trial.plan().config.settings.plus.estimator {
+                Estimator::Auto => ", because some cells share a percept",
+                _ => "",
+            };
+            write_row(out, "estimator", format!("map{reason}"))?;
         }
         write_row(out, self.counted, self.rules)?;
         write_row(out, "steps per episode", sparkline(steps_per_episode))?;
@@ -152,17 +157,19 @@ impl TrainReport {
             ..
         } = self;
         let s = if *episodes == 1 { "" } else { "s" };
-        format!("{world}: {method} on {arena}, {sensor}, seed {seed}, {episodes} episode{s}")
+        format!(
+            "{world}: method {method}, arena {arena}, sensor {sensor}, seed {seed}, {episodes} episode{s}"
+        )
     }
 
     fn shortest_path(&self) -> String {
         let fixed = self.optimal_steps.zip(self.optimal_paths);
-        fixed.map_or("episodes start anywhere".to_owned(), |(steps, paths)| {
-            format!(
-                "{steps} steps, {paths} such path{}",
-                if paths == 1 { "" } else { "s" }
-            )
-        })
+        let Some((steps, paths)) = fixed else {
+            let mean = self.mean_optimal_steps;
+            return format!("{mean:.2} steps on average; episodes start in random cells");
+        };
+        let s = if paths == 1 { "" } else { "s" };
+        format!("{steps} steps, {paths} such path{s}")
     }
 
     fn first_optimal(&self) -> String {

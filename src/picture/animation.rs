@@ -81,7 +81,7 @@ impl Animation {
         let (world, method) = (plan.maze.name(), config.method.name());
         let (arena, seed) = (config.arena.name(), config.seed);
         let arrows = match camera.remembers {
-            true => "arrows: as if an episode began there",
+            true => "each arrow is for an episode that begins in its cell",
             false => "",
         };
         Ok(Self {

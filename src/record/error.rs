@@ -46,12 +46,13 @@ pub(super) fn unwritten(path: &Path, cause: impl Display) -> RecordError {
     ErrorKind::Io.error(message)
 }
 
-/// Returns the error for a file that is not an MCAP file.
-pub(super) fn foreign(path: &Path) -> RecordError {
-    let message = format!(
-        "this is not a recording: it does not begin like an MCAP file: {}",
-        path.display()
-    );
+/// Returns the error for a file with these bytes, which are not an MCAP file.
+pub(super) fn foreign(path: &Path, bytes: &[u8]) -> RecordError {
+    let kind = match bytes.starts_with(b"SQLite format 3") {
+        true => "it is a database; `ros2 bag convert` converts a bag to MCAP",
+        false => "it does not begin like an MCAP file",
+    };
+    let message = format!("this is not a recording: {kind}: {}", path.display());
     ErrorKind::BadData.error(message)
 }
 

@@ -30,7 +30,7 @@ pub fn print(
     let why = Why::at(plan, knowledge, cell);
     let (world, sensor) = (maze.name(), config.sensor);
     let note = match knowledge {
-        Knowledge::MapRules { .. } => ", as if an episode began there",
+        Knowledge::MapRules { .. } => ", in an episode that begins there",
         _ => "",
     };
     writeln!(

@@ -119,7 +119,7 @@ impl Recording {
             return Err(ErrorKind::BadData.error(message));
         }
         if !bytes.starts_with(MAGIC) {
-            return Err(error::foreign(path));
+            return Err(error::foreign(path, &bytes));
         }
         check_unpacked(path, &bytes)?;
         let damaged = error::damaged(path);

@@ -21,7 +21,7 @@ pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, Rec
     let bytes = disk::read(input, disk::MOST_BYTES).map_err(error::read(input))?;
     refuse(input, output, force).map_err(error::create(output))?;
     if !bytes.starts_with(MAGIC) {
-        return Err(error::foreign(input));
+        return Err(error::foreign(input, &bytes));
     }
     let temporary = disk::aside(output).map_err(error::create(output))?;
     let unwritable = |cause: McapError| {

@@ -57,8 +57,10 @@ impl DriveBag {
     ) -> Result<Self, RecordError> {
         let mut options = OpenOptions::new();
         options.write(true).truncate(replace).create(replace);
-        let file = options.create_new(!replace).open(path);
-        let file = BufWriter::new(file.map_err(error::create(path))?);
+        let file = disk::require_free(path, replace)
+            .and_then(|()| options.create_new(!replace).open(path))
+            .map_err(error::create(path))?;
+        let file = BufWriter::new(file);
         let mut bag = Self {
             path: path.to_owned(),
             writer: RosWriter::begin(file, &TOPICS).map_err(error::write(path))?,
@@ -156,6 +158,9 @@ impl DriveRecording {
     /// these names.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
         let bytes = disk::read(path, disk::MOST_BYTES).map_err(error::read(path))?;
+        if !bytes.starts_with(mcap::MAGIC) {
+            return Err(error::foreign(path, &bytes));
+        }
         let damaged = error::damaged::<String>(path);
         let mut recording = Self::default();
         let mut clock_ns = None;
@@ -238,5 +243,33 @@ fn decoded<M: DeserializeOwned>(data: &[u8]) -> Result<M, String> {
                 .map_err(|e| e.to_string())
         }
         _ => Err("not in the little-endian encoding of ROS 2".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bag_in_another_format_is_refused_with_what_to_do_and_nothing_is_replaced_unasked() {
+        let folder = tempfile::tempdir().unwrap();
+        let refused = |bytes: &[u8]| {
+            let path = folder.path().join("bag");
+            std::fs::write(&path, bytes).unwrap();
+            DriveRecording::read(&path).unwrap_err().to_string()
+        };
+        let database = refused(b"SQLite format 3\0");
+        assert!(database.contains("`ros2 bag convert`"), "{database}");
+        let text = refused(b"A text.");
+        assert!(text.contains("does not begin like an MCAP file"), "{text}");
+        let damaged = refused(mcap::MAGIC);
+        assert!(damaged.contains("is damaged"), "control: {damaged}");
+
+        let rows = br######"{ "rows": ["####", "#SG#", "####"] }"######;
+        let maze = Maze::from_json(rows, "rows").unwrap();
+        let create = |replace| DriveBag::create(&folder.path().join("bag"), replace, &maze, 0);
+        let kept = create(false).err().expect("the file exists").to_string();
+        assert!(kept.contains("`--force`"), "{kept}");
+        assert!(create(true).is_ok(), "control");
     }
 }
