@@ -24,6 +24,8 @@ const SIGNALS: [i32; 2] = [consts::SIGINT, consts::SIGTERM];
 const SECOND_SIGNAL_EXIT: i32 = 130;
 /// Grace period after the first signal.
 const GRACE_PERIOD: Duration = Duration::from_secs(4);
+/// The name of the thread that watches. It starts after all handlers are registered.
+const WATCHER: &str = "signals";
 /// Interval at which the watcher polls for the signal.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
@@ -53,7 +55,9 @@ impl Interrupt {
     pub fn watch(shutdown_message: impl Fn() -> Failure + Send + 'static) -> Result<Self, Failure> {
         let this = Self::notice()?;
         let watch = this.clone();
-        let watcher = Builder::new().spawn(move || watch.end_in_time(&shutdown_message));
+        let watcher = Builder::new()
+            .name(WATCHER.to_owned())
+            .spawn(move || watch.end_in_time(&shutdown_message));
         watcher.map_err(Failure::system("start a thread"))?;
         Ok(this)
     }
