@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use xcscr::record::reader::Recording as Recorded;
 use xcscr::record::{Comparison, RecordMode, RecordingKind};
-use xcscr::run::{Again, ExternalEpisode, ExternalRecorder, RunError, Source};
+use xcscr::run::{
+    Again, ExternalActions, ExternalEpisode, ExternalRecorder, RunError, Source, WheelSpeeds,
+};
 
 use crate::plan::{Choice, invalid};
 
@@ -36,17 +38,34 @@ impl Recording {
         actions: Vec<usize>,
         rewards: Vec<f64>,
     ) -> PyResult<(f64, f64, f64)> {
-        let closed = || invalid("the recording is closed");
-        let recorder = self.recorder.as_mut().ok_or_else(closed)?;
-        let episode = ExternalEpisode {
+        self.add(ExternalEpisode {
             seed,
             start,
-            actions,
+            actions: ExternalActions::Moves(actions),
             rewards,
+        })
+    }
+
+    /// Repeats and records an episode of wheel speeds, in m/s for each step of 50 ms, from a heading in radians. Returns
+    /// the pose at the end.
+    fn drive(
+        &mut self,
+        seed: u64,
+        start: (u16, u16),
+        heading: f64,
+        speeds: Vec<[f64; 2]>,
+        rewards: Vec<f64>,
+    ) -> PyResult<(f64, f64, f64)> {
+        let wheels = WheelSpeeds {
+            heading_rad: heading,
+            speeds_mps: speeds,
         };
-        let end = recorder.record(episode).map_err(invalid)?.robot_in_map;
-        let at = end.translation;
-        Ok((at.x, at.y, end.rotation.angle()))
+        self.add(ExternalEpisode {
+            seed,
+            start,
+            actions: ExternalActions::Wheels(wheels),
+            rewards,
+        })
     }
 
     /// Finishes the recording. Returns the paths of its files; none if it is closed already.
@@ -55,6 +74,17 @@ impl Recording {
             Some(recorder) => Ok(recorder.finish().map_err(invalid)?.files),
             None => Ok(Vec::new()),
         }
+    }
+}
+
+impl Recording {
+    /// Records an episode. Returns the pose at the end.
+    fn add(&mut self, episode: ExternalEpisode) -> PyResult<(f64, f64, f64)> {
+        let closed = || invalid("the recording is closed");
+        let recorder = self.recorder.as_mut().ok_or_else(closed)?;
+        let end = recorder.record(episode).map_err(invalid)?.robot_in_map;
+        let at = end.translation;
+        Ok((at.x, at.y, end.rotation.angle()))
     }
 }
 

@@ -50,9 +50,7 @@ impl Wheels {
     /// newton-seconds.
     fn step(&mut self, left: f64, right: f64) -> (bool, f64) {
         self.drive.step([left, right]);
-        let contacts = self.drive.arena().view().contacts.iter();
-        let impulse = contacts.map(|contact| contact.impulse_ns).sum();
-        (self.drive.has_arrived(), impulse)
+        (self.drive.has_arrived(), self.drive.impulse_ns())
     }
 
     /// Returns the distances to the nearest wall in metres, at most `limit`, counter-clockwise from

@@ -110,6 +110,40 @@ def test_each_environment_of_a_vector_is_recorded_as_if_it_were_alone(mode, argu
     assert read("many/env-0") != read("one"), "control"
 
 
+def drive(folder, last=0.2):
+    """Records two episodes of wheel speeds, and returns the rewards."""
+    env = xcscr.Record(gymnasium.make("xcscr/Wheels-v0", max_steps=40, noise=2.0, collision_reward=-1.0), folder)
+    speeds, rewards = np.random.default_rng(1), []
+    for episode in range(2):
+        env.reset(seed=episode, options={"start": (1, 1)})
+        for step in range(40):
+            action = [1.0, 0.3] if step % 20 else speeds.uniform(-1, 1, 2)
+            rewards.append(env.step(np.array(action if step < 39 else [0.2, last], np.float32))[1])
+    env.close()
+    return rewards
+
+
+def test_wheel_speeds_are_recorded_and_repeated_to_the_bit(tmp_path):
+    assert min(drive(tmp_path / "run")) < 0, "control: the robot hits a wall"
+    for name in ["ep-0001.mcap", "ep-0002.mcap", "run.mcap"]:
+        assert xcscr.verify_recording(tmp_path / "run" / name) is None, name
+    drive(tmp_path / "again")
+    drive(tmp_path / "other", last=0.3)
+    read = lambda name: (tmp_path / name / "run.mcap").read_bytes()
+    assert read("run") == read("again")
+    (tmp_path / "run/run.mcap").replace(tmp_path / "other/run.mcap")
+    assert xcscr.verify_recording(tmp_path / "other/ep-0001.mcap"), "control: another speed"
+
+
+def test_a_recording_of_wheel_speeds_ends_where_the_robot_is(tmp_path):
+    env = xcscr.Record(gymnasium.make("xcscr/Wheels-v0"), tmp_path / "run")
+    env.reset(seed=1)
+    env.step(np.array([1.0, 0.5], np.float32))
+    env.unwrapped._wheels.reset((1, 1), 0.0)
+    with pytest.raises(RuntimeError, match="ends at"):
+        env.reset()
+
+
 def test_what_cannot_be_recorded_is_refused(tmp_path):
     (tmp_path / "full").mkdir()
     (tmp_path / "full/notes.txt").write_text("mine")
@@ -117,7 +151,7 @@ def test_what_cannot_be_recorded_is_refused(tmp_path):
     with pytest.raises(ValueError, match="contains files"):
         xcscr.Record(maze(), tmp_path / "full")
     with pytest.raises(ValueError, match="only the environments"):
-        xcscr.Record(gymnasium.make("xcscr/Wheels-v0"), tmp_path / "wheels")
+        xcscr.Record(gymnasium.make("CartPole-v1"), tmp_path / "pole")
     with pytest.raises(ValueError, match="only vector environments"):
         xcscr.RecordVector(gymnasium.make_vec("CartPole-v1"), tmp_path / "poles")
     env = xcscr.Record(maze(), tmp_path / "run")

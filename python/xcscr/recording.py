@@ -12,12 +12,13 @@ import numpy as np
 from ._native import Recording
 from .envs import MazeEnv
 from .vector import History, MazeVectorEnv
+from .wheels import WheelsEnv
 
 
-class Record(gymnasium.Wrapper[np.ndarray, np.int64, np.ndarray, np.int64]):
-    """Writes an MCAP file for each episode of a maze environment, and `run.mcap` for all of them.
+class Record(gymnasium.Wrapper[np.ndarray, Any, np.ndarray, Any]):
+    """Writes an MCAP file for each episode of an environment, and `run.mcap` for all of them.
 
-    - `env`: one of the environments `xcscr/<Maze>-v0`
+    - `env`: one of the environments `xcscr/<Maze>-v0`, or `xcscr/Wheels-v0`
     - `folder`: missing or empty
     - `record`: which episodes get a file: `"all"`, `"beams"` (all, with each lidar beam), `"every:50"`, `"best"` or `"last"`
 
@@ -25,14 +26,14 @@ class Record(gymnasium.Wrapper[np.ndarray, np.int64, np.ndarray, np.int64]):
     seeds, the actions and the rewards to `run.mcap`. `xcscr recording verify` repeats them and compares every byte.
     """
 
-    def __init__(self, env: gymnasium.Env[np.ndarray, np.int64], folder: str | Path, record: str = "all") -> None:
+    def __init__(self, env: gymnasium.Env[np.ndarray, Any], folder: str | Path, record: str = "all") -> None:
         super().__init__(env)
-        maze = env.unwrapped
-        if not isinstance(maze, MazeEnv):
-            raise ValueError(f"cannot record {maze}: only the environments xcscr/<Maze>-v0 are recorded")
-        self._maze = maze
+        robot = env.unwrapped
+        if not isinstance(robot, MazeEnv | WheelsEnv):
+            raise ValueError(f"cannot record {robot}: only the environments of xcscr are recorded")
+        self._robot = robot
         self._rewards: list[float] | None = None
-        self._recording = Recording(maze._choice, str(folder), record)
+        self._recording = Recording(robot._choice, str(folder), record)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
         if "goal" in (options or {}):
@@ -42,7 +43,7 @@ class Record(gymnasium.Wrapper[np.ndarray, np.int64, np.ndarray, np.int64]):
         self._rewards = []
         return answer
 
-    def step(self, action: np.int64) -> tuple[np.ndarray, SupportsFloat, bool, bool, dict[str, Any]]:
+    def step(self, action: Any) -> tuple[np.ndarray, SupportsFloat, bool, bool, dict[str, Any]]:
         if self._rewards is None:
             raise gymnasium.error.ResetNeeded("call reset before step: the episode is over")
         answer = self.env.step(action)
@@ -62,9 +63,13 @@ class Record(gymnasium.Wrapper[np.ndarray, np.int64, np.ndarray, np.int64]):
 
     def _write(self) -> None:
         rewards, self._rewards = self._rewards, None
-        if rewards and self._maze._history is not None:
-            noise, start, actions = self._maze._history
-            _record(self._recording, (noise, start, actions, rewards), self._maze._robot.pose)
+        robot = self._robot
+        if not rewards or robot._history is None:
+            return
+        if isinstance(robot, WheelsEnv):
+            _check(self._recording.drive(*robot._history, rewards), robot._wheels.pose)
+        else:
+            _check(self._recording.episode(*robot._history, rewards), robot._robot.pose)
 
 
 class RecordVector(gymnasium.vector.VectorWrapper):
@@ -106,11 +111,10 @@ class RecordVector(gymnasium.vector.VectorWrapper):
             super().close(**kwargs)
 
     def _write(self, lane: int, history: History, pose: tuple[float, ...]) -> None:
-        _record(self._recordings[lane], history, pose)
+        _check(self._recordings[lane].episode(*history), pose)
 
 
-def _record(recording: Recording, history: History, pose: tuple[float, ...]) -> None:
-    """Records an episode. The recorder repeats it, and must end at the same pose."""
-    end = recording.episode(*history)
+def _check(end: tuple[float, ...], pose: tuple[float, ...]) -> None:
+    """Checks that a repeated episode ends where the robot is."""
     if end != pose:
         raise RuntimeError(f"the recorded episode ends at {end}, not at {pose}; please report this")

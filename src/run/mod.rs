@@ -36,7 +36,7 @@ mod verify;
 
 pub use error::RunError;
 pub use evaluation::{clear_evaluation, record_evaluation};
-pub use external::{ExternalEpisode, ExternalRecorder};
+pub use external::{ExternalActions, ExternalEpisode, ExternalRecorder, WheelSpeeds};
 pub use folder::RunFolder;
 pub use highlights::highlights;
 pub use rerun::Rerun;

@@ -3,10 +3,12 @@
 use std::path::Path;
 
 use crate::kit::desk::Desk;
+use crate::kit::messages;
 use crate::kit::trial::maze;
 use xcscr::arena::ArenaKind;
 use xcscr::record::{RecordMode, RunKind};
-use xcscr::run::{ExternalEpisode, ExternalRecorder};
+use xcscr::run::{ExternalActions, ExternalEpisode, ExternalRecorder, WheelSpeeds};
+use xcscr::sensor::Sensor;
 use xcscr::trial::Plan;
 
 /// The recordings that [`recorded`] makes.
@@ -22,7 +24,7 @@ fn episode(seed: u64, actions: &[usize]) -> ExternalEpisode {
     ExternalEpisode {
         seed,
         start: (1, 1),
-        actions: actions.to_vec(),
+        actions: ExternalActions::Moves(actions.to_vec()),
         rewards: actions.iter().map(|&action| action as f64 - 0.1).collect(),
     }
 }
@@ -78,6 +80,56 @@ fn an_episode_does_not_depend_on_the_episodes_before_it() {
     }
 }
 
+/// An episode in which the robot drives an arc into a wall.
+fn driven(seed: u64, last_mps: f64) -> ExternalEpisode {
+    let mut speeds_mps = vec![[0.8, 0.3]; 60];
+    speeds_mps[59][1] = last_mps;
+    ExternalEpisode {
+        seed,
+        start: (1, 1),
+        rewards: vec![-0.1; speeds_mps.len()],
+        actions: ExternalActions::Wheels(WheelSpeeds {
+            heading_rad: 0.3,
+            speeds_mps,
+        }),
+    }
+}
+
+/// Records two episodes of wheel speeds into a folder of a desk.
+fn record_wheels(desk: &Desk, folder: &str, last_mps: f64) {
+    let plan = plan(ArenaKind::Physics).sensor(Sensor::Neighbours);
+    let mut recorder = recorder(&desk.path(folder), &plan);
+    recorder.record(driven(7, last_mps)).unwrap();
+    recorder.record(driven(8, 0.3)).unwrap();
+    recorder.finish().unwrap();
+}
+
+#[test]
+fn check_and_verify_accept_wheel_speeds_and_refute_another_speed_or_byte() {
+    let desk = Desk::new();
+    record_wheels(&desk, "run", 0.3);
+    desk.ok(&format!("recording check {FILES}"));
+    let said = desk.ok(&format!("recording verify {FILES}"));
+    assert!(
+        said.contains("3 of 3 recordings are bit-identical"),
+        "{said}"
+    );
+    let of = |topic| messages::said(&desk.recording("run/ep-0001.mcap"), topic);
+    assert_eq!(of("/step").len(), 60);
+    assert!(of("/contact").len() > 2, "control: the robot hits a wall");
+    let (_, rule) = &of("/rule")[0];
+    assert_eq!(rule["rule"], "wheels -> left 0.80 m/s, right 0.30 m/s");
+    let mut bytes = std::fs::read(desk.path("run/ep-0001.mcap")).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(desk.path("run/ep-0001.mcap"), bytes).unwrap();
+    desk.run(1, "recording verify @run/ep-0001.mcap");
+    record_wheels(&desk, "other", 0.31);
+    std::fs::rename(desk.path("run/run.mcap"), desk.path("other/run.mcap")).unwrap();
+    let (said, _) = desk.run(1, "recording verify @other/ep-0001.mcap");
+    assert!(said.contains("ep-0001.mcap"), "{said}");
+}
+
 #[test]
 fn verify_refutes_a_recording_with_the_actions_of_another_one() {
     let desk = recorded(ArenaKind::Grid);
@@ -123,11 +175,22 @@ fn impossible_episodes_and_folders_with_files_are_refused() {
         rewarded(Vec::new()),
         episode(1, &[4]),
         episode(1, &[]),
+        driven(1, 0.3),
     ] {
         let fault = recorder.record(episode).unwrap_err().to_string();
         assert!(fault.contains("episode 1: "), "{fault}");
     }
     drop(recorder);
+    let physics = Plan::new(maze("maze4")).arena(ArenaKind::Physics);
+    for (sensor, speed, words) in [
+        (Sensor::Lidar, 0.3, "estimate its pose"),
+        (Sensor::Neighbours, f64::NAN, "finite number"),
+    ] {
+        let physics = physics.clone().sensor(sensor);
+        let mut recorder = self::recorder(&desk.path(words), &physics);
+        let fault = recorder.record(driven(1, speed)).unwrap_err().to_string();
+        assert!(fault.contains(words), "{fault}");
+    }
     let again = ExternalRecorder::create(desk.folder(), &plan, RecordMode::All);
     let fault = again.err().unwrap().to_string();
     assert!(fault.contains("the folder contains files"), "{fault}");

@@ -26,6 +26,8 @@ const FIRST: f64 = 3.6;
 const NEXT: f64 = 2.5;
 /// The visible share of an upright object's height, because the camera looks down steeply.
 const SEEN_UPRIGHT: f64 = 0.9;
+/// The name of the action where the agent sets the speeds of the wheels.
+pub(super) const WHEELS: &str = "wheels";
 /// The numbers of the directions, as in `rule.json`.
 const HEADINGS: [(u8, &str); 8] = [
     (0, "north"),
@@ -50,9 +52,16 @@ pub(in crate::record) struct Reasons {
 impl Reasons {
     /// Returns the reasons of a step's decision.
     pub fn of(step: &Step<'_>, sensor: Sensor) -> Self {
+        let (because, choice) = match step.view.wheels_mps {
+            Some([left, right]) => {
+                let speeds = format!("left {left:.2} m/s, right {right:.2} m/s");
+                (WHEELS.to_owned(), speeds)
+            }
+            None => (because(step, sensor), value(step, step.action)),
+        };
         Self {
-            because: because(step, sensor),
-            choice: value(step, step.action),
+            because,
+            choice,
             explored: step.explored,
         }
     }
@@ -60,7 +69,10 @@ impl Reasons {
     /// Returns the message about the decision of a step; `goal` is the reward for reaching a goal.
     pub fn record(&self, step: &Step<'_>, sensor: Sensor, goal: f64) -> Fields {
         let maze = step.view.maze;
-        let action = maze.action_name(step.action);
+        let action = match step.view.wheels_mps {
+            Some(_) => WHEELS.to_owned(),
+            None => maze.action_name(step.action),
+        };
         let numbered = HEADINGS.iter().find(|(_, name)| *name == action);
         let (because, choice) = (&self.because, &self.choice);
         fields! {

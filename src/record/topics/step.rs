@@ -1,6 +1,7 @@
 //! `/step`: a step, at the time when its outcome is known.
 
 use super::fields::{Fields, fields};
+use super::rule::WHEELS;
 use crate::arena::Outcome;
 use crate::episode::Step;
 
@@ -8,7 +9,8 @@ use crate::episode::Step;
 pub(in crate::record) fn record(step: &Step<'_>) -> Fields {
     let name = |action| {
         let direction = step.view.maze.direction(action);
-        direction.map_or("unknown", |direction| direction.name())
+        let other = step.view.wheels_mps.map_or("unknown", |_| WHEELS);
+        direction.map_or(other, |direction| direction.name())
     };
     let (result, outcome) = outcome(step.outcome);
     fields! {

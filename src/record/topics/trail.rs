@@ -31,6 +31,8 @@ const MAX_HITS: usize = 64;
 /// Up to this many lines the trail is written after each step, and above that less and less often.
 /// This keeps the copies of a long trail from filling the disk.
 const SHORT: usize = 128;
+/// Where the agent sets the speeds of the wheels, a step has 50 ms. Then the trail is written at most twice per second.
+const WHEEL_STEPS: usize = 10;
 
 /// The trajectory so far.
 #[derive(Debug, Default)]
@@ -49,6 +51,8 @@ pub(in crate::record) struct Trail {
     unit_m: f64,
     at: Option<Cell>,
     steps: usize,
+    /// The minimum number of steps between two messages.
+    least_steps: usize,
     /// A disc for each hit on a wall.
     hits: Vec<CylinderPrimitive>,
 }
@@ -83,6 +87,7 @@ impl Trail {
     /// Continues along these poses to the robot's position.
     pub fn step(&mut self, view: &View<'_>, poses: &[Sample], explored: bool) {
         self.steps += 1;
+        self.least_steps = view.wheels_mps.map_or(1, |_| WHEEL_STEPS);
         self.drive(view.maze, poses, explored);
         let (from, to) = (self.at, view.cell);
         let number = self.visit(view);
@@ -163,7 +168,7 @@ impl Trail {
     /// Returns true if the trail should be written after the last step.
     pub fn is_due(&self) -> bool {
         let interval = (self.lines.len() / 2 / SHORT + 1).next_power_of_two();
-        self.steps.is_multiple_of(interval)
+        self.steps.is_multiple_of(interval * self.least_steps)
     }
 
     /// Returns the trail as a scene.

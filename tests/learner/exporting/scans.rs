@@ -234,6 +234,7 @@ impl<'a> Drive<'a> {
             sensed: Some(sensed),
             executed: None,
             flipped: None,
+            wheels_mps: None,
         };
         SCANNING.map(|sensor| sensor.perceive(&view).to_string())
     }

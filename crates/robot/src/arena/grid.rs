@@ -78,6 +78,7 @@ impl Arena for GridArena {
             sensed: None,
             executed: None,
             flipped: None,
+            wheels_mps: None,
         }
     }
 

@@ -109,6 +109,9 @@ pub struct View<'a> {
     pub executed: Option<Action>,
     /// The inverted bits of the percept; `None` in arenas without observation noise.
     pub flipped: Option<Percept>,
+    /// The commanded speeds of the left and right rim in the last step, in m/s. `None` where a
+    /// controller drives the wheels.
+    pub wheels_mps: Option<[f64; 2]>,
 }
 
 impl View<'_> {

@@ -320,6 +320,7 @@ impl Arena for PhysicsArena {
             sensed: self.sensed(),
             executed: None,
             flipped: None,
+            wheels_mps: None,
         }
     }
 

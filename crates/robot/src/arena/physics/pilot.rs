@@ -190,6 +190,7 @@ impl Pilot {
             }),
             executed: None,
             flipped: None,
+            wheels_mps: None,
         }))
     }
 }

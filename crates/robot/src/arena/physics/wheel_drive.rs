@@ -4,7 +4,7 @@ use nalgebra::{Rotation2, Vector2};
 
 use super::motion::{Speeds, within};
 use super::{PhysicsArena, cell_from_position};
-use crate::arena::Arena;
+use crate::arena::{Arena, Lasting};
 use crate::world::Cell;
 use xcscr_sensing::cast;
 
@@ -97,6 +97,17 @@ impl WheelDrive {
         });
         let nearest = seen.reduce(|best, one| if one.0 < best.0 { one } else { best });
         nearest.expect("every maze has a goal")
+    }
+
+    /// Returns the total impulse of the wall collisions in the last step, in newton-seconds.
+    pub fn impulse_ns(&self) -> f64 {
+        let contacts = self.arena.hits.contacts().iter();
+        contacts.map(|contact| contact.impulse_ns).sum()
+    }
+
+    /// Continues the clock and the noise of another arena; a reset must follow.
+    pub fn continue_from(&mut self, lasting: &Lasting) {
+        self.arena.continue_from(lasting);
     }
 
     /// Returns true if the middle of the robot is in a goal cell.

@@ -4,6 +4,8 @@
 //! and actions determine the episodes. `run.mcap` carries them as an attachment, and verifying a recording repeats
 //! them in the same arena.
 
+mod script;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;
@@ -13,15 +15,15 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{self, RunError};
 use super::facts::run_info;
-use crate::agent::{Agent, Choice, Chooser, EndCredit, Explorer, Knowledge, StepCredit};
-use crate::arena::{Lasting, Outcome, Sample};
+use crate::agent::{Explorer, Knowledge};
+use crate::arena::{Arena, ArenaKind, Lasting, PhysicsArena, Sample, WheelDrive};
 use crate::episode;
 use crate::record::{RecordMode, RecordSummary, Recorder, RunInfo, RunKind};
 use crate::streams::StreamName;
 use crate::trial::Plan;
 use crate::world::Cell;
+use script::{Script, ScriptedWheels};
 use xcs::random::Stream;
-use xcs::{Action, Percept, PredictionArray};
 
 /// The attachment of `run.mcap` with the episodes.
 pub(super) const EXTERNAL_EPISODES: &str = "external-episodes.json";
@@ -36,10 +38,75 @@ pub struct ExternalEpisode {
     pub seed: u64,
     /// The column and the row of the start cell.
     pub start: (u16, u16),
-    /// The actions, numbered clockwise from north.
-    pub actions: Vec<usize>,
+    /// What the agent did.
+    pub actions: ExternalActions,
     /// The reward of each action, as the agent received it.
     pub rewards: Vec<f64>,
+}
+
+/// The actions of an episode. In JSON, moves are a list, and wheel speeds an object.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum ExternalActions {
+    /// Moves from cell to cell, numbered clockwise from north.
+    Moves(Vec<usize>),
+    /// Speeds of the wheels. They require the arena `physics`, and a robot that does not estimate its
+    /// pose.
+    Wheels(WheelSpeeds),
+}
+
+/// The speeds of the wheels of an episode, one pair for each step of 50 ms.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WheelSpeeds {
+    /// The heading at the start in radians, counter-clockwise from the grid's x axis.
+    pub heading_rad: f64,
+    /// The commanded speeds of the left and right rim, in m/s.
+    pub speeds_mps: Vec<[f64; 2]>,
+}
+
+impl Default for ExternalActions {
+    fn default() -> Self {
+        Self::Moves(Vec::new())
+    }
+}
+
+impl ExternalActions {
+    /// Returns the number of actions.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Moves(moves) => moves.len(),
+            Self::Wheels(wheels) => wheels.speeds_mps.len(),
+        }
+    }
+
+    /// Returns true if there are no actions.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Returns the first reason why they are impossible in the world of a plan.
+    fn fault(&self, plan: &Plan) -> Option<String> {
+        let count = plan.maze.action_count();
+        match self {
+            Self::Moves(moves) => {
+                let unknown = moves.iter().find(|&&one| one >= count)?;
+                Some(format!("there is no action {unknown}"))
+            }
+            Self::Wheels(_) if plan.config.arena != ArenaKind::Physics => {
+                Some("wheel speeds need the arena `physics`".to_owned())
+            }
+            Self::Wheels(_) if plan.config.senses() => {
+                let fault = "wheel speeds need a robot that does not estimate its pose";
+                Some(format!("{fault}: choose the sensor `neighbours`"))
+            }
+            Self::Wheels(wheels) => {
+                let speeds = wheels.speeds_mps.iter().flatten();
+                let finite = speeds.chain([&wheels.heading_rad]).all(|n| n.is_finite());
+                (!finite).then(|| "a speed or the heading is not a finite number".to_owned())
+            }
+        }
+    }
 }
 
 /// Records episodes of an external agent. Each episode is repeated in an arena of its own, which an observer records.
@@ -83,10 +150,8 @@ impl ExternalRecorder {
         let fault =
             |fault: String| error::recording(&self.folder, format!("episode {number}: {fault}"));
         self.check(&episode).map_err(fault)?;
-        let Plan { maze, config } = &self.plan;
-        let mut config = config.clone();
-        config.seed = episode.seed;
-        let mut arena = config.build_arena(maze)?;
+        let maze = &self.plan.maze;
+        let mut arena = self.arena(&episode)?;
         // The times of a recording increase across episodes. The lidar is where it was at time 0.
         let lasting = Lasting {
             time_ns: self.clock_ns,
@@ -100,7 +165,7 @@ impl ExternalRecorder {
             u32::try_from(number).unwrap_or(u32::MAX),
             Cell { col, row },
             &mut *arena,
-            config.sensor,
+            self.plan.config.sensor,
             &mut script,
             &mut explorer,
             &mut self.recorder,
@@ -121,6 +186,21 @@ impl ExternalRecorder {
         Ok(end)
     }
 
+    /// Builds the arena of an episode.
+    fn arena(&self, episode: &ExternalEpisode) -> Result<Box<dyn Arena>, RunError> {
+        let Plan { maze, config } = &self.plan;
+        let mut config = config.clone();
+        config.seed = episode.seed;
+        let ExternalActions::Wheels(wheels) = &episode.actions else {
+            return Ok(config.build_arena(maze)?);
+        };
+        let arena = PhysicsArena::new(maze.clone(), config.settings.physics, config.seed)?;
+        Ok(Box::new(ScriptedWheels::new(
+            WheelDrive::new(arena),
+            wheels.clone(),
+        )))
+    }
+
     /// Checks that an episode can be repeated.
     fn check(&self, episode: &ExternalEpisode) -> Result<(), String> {
         let maze = &self.plan.maze;
@@ -133,12 +213,8 @@ impl ExternalRecorder {
         if count == 0 || count != episode.rewards.len() || u32::try_from(count).is_err() {
             return Err("it must have actions, and as many rewards".to_owned());
         }
-        if let Some(action) = episode
-            .actions
-            .iter()
-            .find(|&&one| one >= maze.action_count())
-        {
-            return Err(format!("there is no action {action}"));
+        if let Some(fault) = episode.actions.fault(&self.plan) {
+            return Err(fault);
         }
         match episode.rewards.iter().all(|reward| reward.is_finite()) {
             true => Ok(()),
@@ -200,65 +276,5 @@ fn require_empty(folder: &Path) -> Result<(), RunError> {
                 "the folder contains files: choose another one".to_owned(),
             )),
         },
-    }
-}
-
-/// Repeats the actions and the rewards of an episode.
-struct Script<'a> {
-    episode: &'a ExternalEpisode,
-    actions: usize,
-    step: usize,
-}
-
-impl<'a> Script<'a> {
-    fn new(episode: &'a ExternalEpisode, actions: usize) -> Self {
-        Self {
-            episode,
-            actions,
-            step: 0,
-        }
-    }
-}
-
-impl Agent for Script<'_> {
-    fn observe(&mut self, percept: &Percept) -> PredictionArray {
-        self.values(percept)
-    }
-
-    fn choose(&mut self, _: &PredictionArray, _: &mut Explorer) -> Choice {
-        let action = Action::new(self.episode.actions[self.step]);
-        Choice::new(action.expect("actions are checked"), Chooser::Table)
-    }
-
-    fn update(&mut self, _: Action, _: Outcome) -> StepCredit {
-        self.step += 1;
-        StepCredit {
-            short_term_reward: self.episode.rewards[self.step - 1],
-            ..StepCredit::default()
-        }
-    }
-
-    fn end_episode(&mut self, _: bool) -> EndCredit {
-        EndCredit {
-            long_term_reward: 0.0,
-            learning_rate: 0.0,
-            imprinted: false,
-        }
-    }
-
-    fn step_threshold(&self) -> u32 {
-        u32::try_from(self.episode.actions.len()).unwrap_or(u32::MAX)
-    }
-
-    fn values(&self, _: &Percept) -> PredictionArray {
-        PredictionArray::new(self.actions)
-    }
-
-    fn knowledge(&self) -> Knowledge {
-        Knowledge::Table(BTreeMap::new())
-    }
-
-    fn rule_count(&self) -> usize {
-        0
     }
 }
