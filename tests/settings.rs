@@ -11,8 +11,8 @@ use xcscr::trial::{ReadBy, Resolved, Settings};
 /// The page of the documentation, as the declarations have it.
 fn page() -> String {
     let mut page = "# Settings\n\nEvery setting with its default, its range and what reads it. A setting without a range is a switch, `true` or `false`, or its description gives the range. \
-        A setting that nothing in a run reads is refused. This page is made from the declarations in the source \
-        (`UPDATE_DOCS=1 cargo test --test settings` writes it anew).\n"
+        A setting that nothing in a run reads is refused. This page is generated from the declarations in the source \
+        (`UPDATE_DOCS=1 cargo test --test settings` regenerates it).\n"
         .to_owned();
     let resolved = Resolved::new(&Settings::default(), &[], &[]).unwrap();
     let declared = Settings::declared();
@@ -66,14 +66,14 @@ fn require(page: &str, path: &str) {
         fs::write(&path, page).unwrap();
     }
     let written = fs::read_to_string(&path).unwrap();
-    let hint = "UPDATE_DOCS=1 cargo test --test settings writes it anew";
+    let hint = "UPDATE_DOCS=1 cargo test --test settings regenerates it";
     assert_eq!(written, page, "{hint}");
 }
 
 /// The page of the keys of a study file.
 fn page_of_keys() -> String {
-    let mut page = "# Keys of a study file\n\nAlso printed by `xcscr study keys`. This page is made from the source (`UPDATE_DOCS=1 cargo test --test \
-        settings` writes it anew).\n"
+    let mut page = "# Keys of a study file\n\nAlso printed by `xcscr study keys`. This page is generated from the source (`UPDATE_DOCS=1 cargo test --test \
+        settings` regenerates it).\n"
         .to_owned();
     for key in StudyKey::all() {
         let default = match &key.default {
@@ -125,7 +125,7 @@ fn write_help(page: &mut String, words: &[&str]) {
 #[test]
 fn the_page_of_the_command_line_has_the_help_of_every_command() {
     let mut page = "# Command line\n\nThe help of every command, as `xcscr COMMAND --help` prints it. `xcscr man --out DIR` writes manual pages. This page is \
-        made from the program (`UPDATE_DOCS=1 cargo test --test settings` writes it anew).\n"
+        generated from the program (`UPDATE_DOCS=1 cargo test --test settings` regenerates it).\n"
         .to_owned();
     write_help(&mut page, &[]);
     let commands = page.matches("\n## xcscr").count();

@@ -29,7 +29,7 @@ pub enum ConfigCommand {
 pub struct ShowArgs {
     #[command(flatten)]
     settings: SettingsArgs,
-    /// Print the settings for this world, which determines the step threshold unless it is set.
+    /// Print the settings for this world, which determines the step limit unless it is set.
     #[arg(long, value_name = "FILE")]
     world: Option<PathBuf>,
     /// Print only the settings that affect this method [default, with --arena or --sensor:

@@ -22,8 +22,8 @@ pub struct DriveArgs {
     /// Drive a robot on ROS 2 (needs a build with `--features ros2`).
     #[arg(long)]
     ros2: bool,
-    /// Decide from the sensor readings in an MCAP file, of a drive or of `ros2 bag record`, and
-    /// print the decisions. For a recorded drive, compare them with its decisions.
+    /// Decide from the sensor readings in an MCAP file, recorded by `drive` or `ros2 bag record`,
+    /// and print the decisions. For a recorded drive, compare them with its decisions.
     #[arg(long, value_name = "FILE")]
     bag: Option<PathBuf>,
     /// The robot: a bundled profile or a TOML file. It must be the robot that the policy was

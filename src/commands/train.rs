@@ -24,8 +24,8 @@ use super::terminal::{file_link, say};
 use super::train_report::TrainReport;
 
 const LIVE_HELP: &str = "Stream to a viewer on this machine (needs a build with `--features live`). \
-    The training waits a minute for a viewer. While one is connected, the training keeps to the \
-    speed; otherwise it runs as fast as possible. Pages of Foxglove and Lichtblick may connect; \
+    The training waits a minute for a viewer. While one is connected, the training runs at \
+    `--speed`; otherwise it runs as fast as possible. Pages of Foxglove and Lichtblick may connect; \
     `--allow-origin` adds those of another viewer";
 const SPEED_HELP: &str = "Speed of the stream relative to real time [default: 10]";
 /// The options that cannot be changed once a run has begun.

@@ -47,7 +47,7 @@ pub enum WorldCommand {
         /// With `--bounds`: the percept of the robot; for lidar percepts, that of a perfect lidar.
         #[arg(long, default_value = Sensor::Neighbours.name(), requires = "bounds", value_parser = choices::sensor())]
         sensor: Sensor,
-        /// With `--bounds`: the probability that another move is made than the chosen one.
+        /// With `--bounds`: the probability that a move other than the chosen one is executed.
         #[arg(long, default_value_t = 0.0, requires = "bounds", value_name = "P", value_parser = share)]
         slip: f64,
     },

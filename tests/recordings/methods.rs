@@ -108,7 +108,7 @@ fn where_null_stands_for_unknown_the_schema_of_highlights_says_so() {
     for (topic, field) in MAY_HOLD_NULL {
         let meaning = &schemas[topic]["properties"][field]["description"];
         let meaning = meaning.as_str().unwrap();
-        assert!(meaning.ends_with("null: unknown"), "{meaning}");
+        assert!(meaning.ends_with("null if unknown"), "{meaning}");
     }
 }
 

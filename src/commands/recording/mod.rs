@@ -19,7 +19,7 @@ use super::source::all_recordings;
 /// Subcommands of `recording`.
 #[derive(Debug, clap::Subcommand)]
 pub enum RecordingCommand {
-    /// Summarise a run, or list what recordings hold.
+    /// Summarise a run, or list the contents of recordings.
     Info {
         /// Recordings (.mcap), or folders of runs.
         #[arg(required = true, value_name = "RECORDING|RUN")]
@@ -39,11 +39,11 @@ pub enum RecordingCommand {
         #[arg(long)]
         json: bool,
     },
-    /// Recover what can be read of a damaged recording.
+    /// Recover the readable part of a damaged recording.
     Recover(recover::RecoverArgs),
     /// Write the highlights of a run: how it learned, in less than two minutes.
     Highlights(IntoFile),
-    /// Write a recording, or a whole run, in the form that ROS 2 records: /tf, /odom, /scan, /map.
+    /// Convert a recording, or a whole run, to a bag of ROS 2: /tf, /odom, /scan, /map.
     Ros(IntoFile),
 }
 

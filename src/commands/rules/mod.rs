@@ -30,8 +30,8 @@ pub struct RulesArgs {
     /// Print only the rules that match the percept in this cell.
     #[arg(long, value_name = "COL,ROW", value_parser = cell)]
     cell: Option<Cell>,
-    /// Explain the choice in this cell: the rules that vote, the changes of the percept that would
-    /// change the choice, and the episodes that shaped the strongest rule.
+    /// Explain the choice in this cell: the rules that match, the changes of the percept that
+    /// would change the choice, and the episodes that shaped the strongest rule.
     #[arg(long, value_name = "COL,ROW", value_parser = cell, conflicts_with_all = ["cell", "compact", "format", "json", "csv"])]
     why: Option<Cell>,
     /// Print the rules that only one of the two has, and the cells in which their best actions

@@ -84,7 +84,7 @@ settings! {
         /// The initial step limit: the maximum number of steps of an episode. The paper calls it the
         /// step-threshold and does not print its value.
         step_threshold: u32 = 50, in 1..=1_000_000;
-        /// Raise the step limit to four times the longest shortest path of the maze if
+        /// Raise the step limit to four times the shortest path from the farthest start if
         /// `step_threshold` is lower. Setting `step_threshold` turns this off.
         step_threshold_from_maze: bool = true;
         /// How `xcscr` shares the reward of an episode among its steps. `even`: equally.

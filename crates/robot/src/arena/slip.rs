@@ -13,7 +13,7 @@ settings! {
 
     /// Settings that apply to every arena.
     pub struct ArenaParams {
-        /// The probability that another action is executed than the chosen one. All other actions
+        /// The probability that an action other than the chosen one is executed. All other actions
         /// are equally likely. At 0.75 with four actions, the choice has no effect.
         slip: f64 = 0.0, in 0.0..=0.75;
     }

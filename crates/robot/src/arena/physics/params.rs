@@ -41,7 +41,7 @@ settings! {
         shortcut: bool = true;
         /// Robot mass m in kg.
         mass_kg: f64 = 5.0, in 0.1..=1000.0;
-        /// Robot radius r in m. Half a cell must hold it and `arrival_m`. With less than 0.1 m of
+        /// Robot radius r in m. Half a cell must be at least the radius plus `arrival_m`. With less than 0.1 m of
         /// extra space, noise can push the robot against walls that it drives along.
         radius_m: f64 = 0.3, in 0.02..=2.0;
         /// Distance b between the wheels in m.

@@ -27,8 +27,8 @@ settings! {
         motion_model: MotionPrior = MotionPrior::Known;
         /// Use the bumper, which is free of errors. Without it, bumps are inferred from percepts.
         feels_bumps: bool = true;
-        /// Estimate the observation error and weight percepts by it. Without it, looked-up percepts are
-        /// treated as correct, and an error of one cell in 500 is assumed for sensed percepts.
+        /// Estimate the observation error and weight percepts by it. Without it, percepts that are
+        /// read from the maze are treated as correct, and an error of one cell in 500 is assumed for sensed percepts.
         estimates_noise: bool = true;
         /// The maximum number of maps, one per distinguishable goal.
         max_maps: u32 = MOST_MAPS as u32, in 1..=MOST_MAPS as u32;
