@@ -17,9 +17,9 @@ use super::sparkline::sparkline;
 use super::terminal::{file_link, print_maze, write_link, write_row};
 
 /// The legend of the drawn maze.
-const LEGEND: &str = "→ best action   + several are best   ? nothing known   G goal";
+const LEGEND: &str = "→ best action   + several are equally good   ? nothing known   G goal";
 /// The legend of the arrows if the best action depends on the history.
-const ARROWS: &str = "each arrow is for an episode that begins in its cell";
+const ARROWS: &str = "each arrow: the best action if an episode begins in that cell";
 
 /// The result of a training run, as `--json` prints it.
 #[derive(Debug, Serialize)]
@@ -139,7 +139,7 @@ impl TrainReport {
                 Estimator::Auto => ", because some cells share a percept",
                 _ => "",
             };
-            write_row(out, "estimator", format!("map{reason}"))?;
+            write_row(out, "learned map", format!("used{reason}"))?;
         }
         write_row(out, self.counted, self.rules)?;
         write_row(out, "steps per episode", sparkline(steps_per_episode))?;

@@ -81,7 +81,7 @@ impl Animation {
         let (world, method) = (plan.maze.name(), config.method.name());
         let (arena, seed) = (config.arena.name(), config.seed);
         let arrows = match camera.remembers {
-            true => "each arrow is for an episode that begins in its cell",
+            true => "each arrow: the best action if an episode begins in that cell",
             false => "",
         };
         Ok(Self {
