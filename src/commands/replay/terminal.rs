@@ -95,9 +95,9 @@ impl Screen {
             term.clear_line()?;
             term.write_line(line)?;
         }
-        term.clear_line()?;
-        term.write_str(&format!("{}x   {KEYS}", self.speed))?;
+        // Clearing begins at the start of the line, so the last line comes after it.
         term.clear_to_end_of_screen()?;
+        term.write_str(&format!("{}x   {KEYS}", self.speed))?;
         term.flush()
     }
 

@@ -9,7 +9,7 @@ use crate::record::reader::Recording;
 use crate::record::{RecordError, RecordingKind};
 use crate::world::{Cell, Maze};
 
-/// The number of lines without the maze: the caption, five lines of the decision, and the time.
+/// The least number of lines without the maze: the caption, five lines of the decision, and the time.
 const WORDS: usize = 7;
 /// The robot's glyph by heading, in eighths of a turn, from east to the left.
 const HEADINGS: [char; 8] = ['▶', '◥', '▲', '◤', '◀', '◣', '▼', '◢'];
@@ -55,7 +55,13 @@ impl TextPlayer {
         let caption = last(&data.captions, t_s).map_or(data.heading(), |one| text(one, "title"));
         let mut lines = vec![caption.to_owned()];
         lines.extend(self.maze(t_s, (columns / 2, rows.saturating_sub(WORDS))));
-        lines.extend(self.decision(t_s));
+        // Long lines take the rows that the maze leaves.
+        let mut spare = rows.saturating_sub(WORDS + lines.len() - 1);
+        for line in self.decision(t_s) {
+            let pieces = wrapped(&line, columns, 1 + spare);
+            spare -= pieces.len() - 1;
+            lines.extend(pieces);
+        }
         lines.push(format!("{} / {}", clock(t_s), clock(data.end)));
         let lines: Vec<String> = lines.iter().map(|line| cut(line, columns)).collect();
         lines.join("\n")
@@ -156,8 +162,32 @@ fn estimate(estimate: &Timed) -> String {
         Some(Value::Bool(true)) => ", mislocalised",
         _ => "",
     };
-    let (position_cm, heading_deg) = (100.0 * number("error_m"), number("heading_error_deg").abs());
-    format!("estimate off by {position_cm:.1} cm, {heading_deg:.1}°{mislocalised}")
+    let (off_cm, off_deg) = (100.0 * number("error_m"), number("heading_error_deg").abs());
+    let sd_cm = 100.0 * libm::hypot(number("sd_x_m"), number("sd_y_m"));
+    let sd_deg = number("sd_heading_deg");
+    format!(
+        "position: ± {sd_cm:.1} cm, ± {sd_deg:.1}°, off by {off_cm:.1} cm, {off_deg:.1}°{mislocalised}"
+    )
+}
+
+/// Breaks a line between words into at least one and at most `most` lines of at most this many
+/// columns. What does not fit stays in the last one.
+fn wrapped(line: &str, columns: usize, most: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in line.split(' ') {
+        let is_last = lines.len() >= most;
+        let current = lines.last_mut().expect("there is a line");
+        let length = current.chars().count() + 1 + word.chars().count();
+        if current.is_empty() {
+            current.push_str(word);
+        } else if is_last || length <= columns {
+            current.push(' ');
+            current.push_str(word);
+        } else {
+            lines.push(format!("  {word}"));
+        }
+    }
+    lines
 }
 
 /// Formats a time as minutes and seconds.
@@ -185,5 +215,9 @@ mod tests {
         assert_eq!([clock(0.0), clock(75.26)], ["0:00.0", "1:15.3"]);
         assert_eq!(cut("north", 5), "north");
         assert_eq!(cut("north-east", 5), "nort…");
+        let most = |lines| wrapped("north wall, east free", 11, lines);
+        assert_eq!(most(9), ["north wall,", "  east free"]);
+        assert_eq!(most(1), ["north wall, east free"]);
+        assert_eq!(wrapped("", 11, 3), [""]);
     }
 }
