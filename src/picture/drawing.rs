@@ -14,7 +14,8 @@ const GRID: u32 = 0xd9dee6;
 const WALL: u32 = 0x3d4757;
 const VISITED: u32 = 0xd3d8e0;
 const SLIPPERY: u32 = 0xe0f0fb;
-const START: u32 = 0xf4b740;
+/// Pale, so that arrows far from the goal are visible on it.
+const START: u32 = 0xfdf0cf;
 const GOAL: u32 = 0x7fdca0;
 const REWARD: u32 = 0xe3cdf9;
 const PATH: u32 = 0x9cc3f5;
