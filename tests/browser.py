@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Plays the page of a recording in a real browser, and compares what it shows with the recording.
 
-Usage: browser.py PAGE RECORDING [COMPARISON [CHROMIUM]]     needs Chromium and the Python package mcap
+Usage: browser.py PAGE RECORDING [COMPARISON [RUN [CHROMIUM]]]     needs Chromium and the Python package mcap
 
 The browser is driven through its debugging pipe. The page must show the decisions of the recording, play, pause, seek,
-obey the keys, fit into 360 pixels, load nothing, and write nothing to the console. Both sides of the page COMPARISON must
-play together. Ends with code 1 at the first fault.
+obey the keys, fit into 360 pixels, load nothing, and write nothing to the console. With reduced motion, nothing may move
+between two decisions. Both sides of the page COMPARISON must play together. The page of the folder RUN must show the
+decisions of all episodes. Ends with code 1 at the first fault.
 """
 
 import bisect
@@ -129,10 +130,66 @@ def check_playing(browser):
     browser.key("ArrowRight")
     after = shown(browser)
     expect(after["t"] > paused["t"], "the right arrow does not go to the next decision")
+    browser.evaluate("document.getElementById('play').focus()")
+    browser.key("ArrowRight")
+    expect(shown(browser)["t"] > after["t"], "the right arrow does nothing on a button")
+    browser.evaluate("document.activeElement.blur()")
+    browser.key("ArrowLeft")
     browser.key("ArrowLeft")
     expect(shown(browser)["t"] < after["t"], "the left arrow does not go back")
     browser.key("End")
     expect(shown(browser)["t"] == browser.evaluate("data.end"), "End does not go to the end")
+
+
+def check_reduced_motion(browser):
+    """Plays with reduced motion: the picture may only change when the robot decides."""
+    pictures = "new Set(seen).size"
+    watch = """(() => {
+        window.seen = [];
+        const draw = window.drawMaze;
+        window.drawMaze = () => { draw(); seen.push(state.t); };
+    })()"""
+    browser.evaluate(watch)
+    for value, is_still in [("no-preference", False), ("reduce", True)]:
+        browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": value}])
+        seek(browser, 0)
+        browser.evaluate("seen.length = 0; setPlaying(true)")
+        time.sleep(1.5)
+        browser.evaluate("setPlaying(false)")
+        drawn, t = browser.evaluate(pictures), browser.evaluate("state.t")
+        decided = browser.evaluate(f"lastIndex(data.decisions, {t}) - lastIndex(data.decisions, 0)")
+        expect(decided > 0 and (drawn <= decided + 1) == is_still, f"{value}: {drawn} pictures of {decided} decisions")
+    browser.call("Emulation.setEmulatedMedia", features=[])
+
+
+def check_targets(browser):
+    """Fingers need targets of 44 pixels, and mice need targets of 24 (WCAG 2.5.5 and 2.5.8)."""
+    small = """[...document.querySelectorAll('button, select, #seek, #layers label')].filter((one) => one.offsetParent
+        && Math.min(one.getBoundingClientRect().height, one.getBoundingClientRect().width) < LEAST).map((one) => one.id || one.textContent)"""
+    expect(not browser.evaluate(small.replace("LEAST", "24")), "a target is too small for a mouse")
+    browser.call("Emulation.setDeviceMetricsOverride", width=360, height=780, deviceScaleFactor=2, mobile=True)
+    browser.call("Emulation.setTouchEmulationEnabled", enabled=True)
+    time.sleep(0.3)
+    expect(not browser.evaluate(small.replace("LEAST", "44")), "a target is too small for a finger")
+    browser.call("Emulation.setTouchEmulationEnabled", enabled=False)
+    browser.call("Emulation.clearDeviceMetricsOverride")
+
+
+def check_episodes(browser, run):
+    """Goes to episodes inside the page of a run, and expects the decisions of their recordings."""
+    go(browser, run / "replay.html")
+    recordings = sorted(run.glob("ep-*.mcap"))
+    places = browser.evaluate("[...document.getElementById('place').options].map((one) => one.value).filter((one) => one[0] === 'e')")
+    expect(len(places) == len(recordings), f"the page has {len(places)} of {len(recordings)} episodes")
+    for at in [0, len(places) // 2, len(places) - 1]:
+        browser.evaluate(f"var p = document.getElementById('place'); p.value = '{places[at]}'; p.dispatchEvent(new Event('change'))")
+        time.sleep(0.3)
+        expect(browser.evaluate("document.getElementById('place').value") == places[at], f"the page does not show {places[at]}")
+        check_numbers(browser, recordings[at])
+    browser.evaluate("goTo('t0')")
+    time.sleep(0.1)
+    expect(browser.evaluate("data === recording"), "the page does not go back to the highlights")
+    return len(places)
 
 
 def check_sizes(browser):
@@ -158,6 +215,11 @@ def check_comparison(browser, page):
     expect(len(after) == 2 and after[0] == after[1] and after != before, f"the sides show {before}, then {after}")
     time.sleep(0.3)
     expect(browser.evaluate(clocks) == after, "one side cannot pause the other")
+    for width, height in SIZES:
+        browser.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        time.sleep(0.3)
+        wide = browser.evaluate("Math.max(...[window, ...Array.from(frames)].map((one) => one.document.documentElement.scrollWidth - one.innerWidth))")
+        expect(wide <= 0, f"at {width} pixels the comparison is {wide} too wide")
 
 
 def go(browser, page):
@@ -167,13 +229,17 @@ def go(browser, page):
 
 def main():
     page, recording, *more = sys.argv[1:]
-    browser = Browser(more[1] if len(more) > 1 else "chromium")
+    browser = Browser(more[2] if len(more) > 2 else "chromium")
     go(browser, page)
     count = check_numbers(browser, recording)
     check_playing(browser)
     check_sizes(browser)
+    check_targets(browser)
+    check_reduced_motion(browser)
     if more:
         check_comparison(browser, more[0])
+    if more[1:]:
+        check_episodes(browser, Path(more[1]))
     said = [e for e in browser.events if e.get("method") in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown")]
     logged = [e["params"]["entry"] for e in browser.events if e.get("method") == "Log.entryAdded"]
     # A warning about reading pixels back is this script's own.

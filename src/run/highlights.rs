@@ -11,6 +11,7 @@ use super::source::{Source, mode_for_highlights, recorded_mode};
 use super::verify::Again;
 use crate::agent::Knowledge;
 use crate::error::ErrorKind;
+use crate::record::player;
 use crate::record::reader::Recording;
 use crate::record::{
     HighlightsBuilder, RecordMode, RecordingKind, Segment, ShownRun, Topic, segments,
@@ -36,6 +37,15 @@ impl RunFolder {
 /// If the plan is invalid, or a temporary file cannot be written.
 pub fn highlights(plan: &Plan, mode: RecordMode) -> Result<Vec<u8>, RunError> {
     Material::again(plan, mode)?.build()
+}
+
+/// Runs a trial and returns the page that plays its highlights and its episodes.
+///
+/// # Errors
+/// As for [`highlights`].
+pub fn page(plan: &Plan, mode: RecordMode) -> Result<String, RunError> {
+    let material = Material::again(plan, mode)?;
+    material.page(material.build()?)
 }
 
 impl Source {
@@ -178,6 +188,18 @@ impl Material {
         }
         self.add_drive(&mut builder)?;
         builder.finish()
+    }
+}
+
+impl Material {
+    /// Returns the page that plays these highlights and the episodes.
+    pub fn page(&self, highlights: Vec<u8>) -> Result<String, RunError> {
+        let name = RecordingKind::Highlights.file_name();
+        let episodes = (1..=self.plan.config.episodes).map(RecordingKind::Episode);
+        let episodes = episodes.map(|kind| self.folder.join(kind.file_name()));
+        let episodes: Vec<PathBuf> = episodes.collect();
+        let highlights = Recording::from_bytes(&self.folder.join(name), highlights)?;
+        player::page_of_run(&highlights, &episodes)
     }
 }
 

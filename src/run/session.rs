@@ -13,8 +13,6 @@ use super::highlights::Material;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::error::ErrorKind;
-use crate::record::player;
-use crate::record::reader::Recording;
 use crate::record::resume_hint::resume_hint;
 use crate::record::{RecordMode, RecordSummary, Recorder, RecorderMemory, Tap};
 use crate::trial::{Checkpoint, Trial};
@@ -219,9 +217,9 @@ fn save_highlights(
     trial: &Trial,
     knowledge: &Knowledge,
 ) -> Result<(PathBuf, u64), RunError> {
-    let highlights = Material::in_folder(folder.path(), trial.plan(), knowledge)?.build()?;
+    let material = Material::in_folder(folder.path(), trial.plan(), knowledge)?;
+    let highlights = material.build()?;
     let saved = folder.save_highlights(&highlights)?;
-    let page = player::page(&Recording::from_bytes(&saved.0, highlights)?)?;
-    folder.save_page(&page)?;
+    folder.save_page(&material.page(highlights)?)?;
     Ok(saved)
 }

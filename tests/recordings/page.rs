@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use flate2::read::ZlibDecoder;
 use serde_json::Value;
 use xcscr::record::player;
 use xcscr::record::reader::Recording;
@@ -80,6 +83,58 @@ fn the_page_of_a_whole_run_has_its_steps_and_its_learning_curve() {
     assert!((90.0..100.0).contains(&left), "{left} %");
     let episodes: Vec<u32> = (1..=12).collect();
     assert_eq!(data["curve"]["episode"], serde_json::json!(episodes));
+}
+
+/// Returns the data of the episodes inside a page by their numbers.
+fn packed_episodes(page: &Value) -> BTreeMap<u64, Value> {
+    let episodes = page["packed_episodes"].as_array().unwrap().iter();
+    let unpacked = episodes.map(|packed| {
+        let bytes = STANDARD.decode(packed["data"].as_str().unwrap()).unwrap();
+        let data = serde_json::from_reader(ZlibDecoder::new(&bytes[..])).unwrap();
+        (packed["episode"].as_u64().unwrap(), data)
+    });
+    unpacked.collect()
+}
+
+#[test]
+fn the_page_of_a_run_holds_its_episodes_as_their_recordings_have_them() {
+    let desk = Desk::new();
+    desk.train("run", GRID);
+    desk.ok("replay @run --html @page.html");
+    assert!(desk.text("page.html") == desk.text("run/replay.html"));
+    let page = data(&desk.text("page.html"));
+    let episodes = packed_episodes(&page);
+    assert_eq!(episodes.len(), 12);
+    for (number, packed) in episodes {
+        let recording = desk.recording(&format!("run/ep-{number:04}.mcap"));
+        let mut alone = data(&player::page(&recording).unwrap());
+        // The episodes share the curve of the run.
+        alone["curve"] = Value::Null;
+        assert!(packed == alone, "episode {number} differs");
+    }
+    // Control: the page of a single recording holds no other.
+    assert!(packed_episodes(&data(&player::page(&sample()).unwrap())).is_empty());
+}
+
+#[test]
+fn the_page_of_a_run_stays_small_and_leaves_out_what_does_not_fit() {
+    let desk = Desk::new();
+    desk.train("run", GRID);
+    let large = desk.path("run/ep-0005.mcap");
+    let file = fs::OpenOptions::new().write(true).open(&large).unwrap();
+    file.set_len(600 << 10).unwrap();
+    desk.ok("replay @run --html @page.html");
+    let episodes = packed_episodes(&data(&desk.text("page.html")));
+    assert_eq!(episodes.len(), 11);
+    assert!(!episodes.contains_key(&5));
+    // A run of thousands of episodes: every fourth, and so on, is shown, and the last one.
+    let one = desk.path("run/ep-0001.mcap");
+    let many = vec![one; 3000];
+    let highlights = desk.recording("run/highlights.mcap");
+    let page = player::page_of_run(&highlights, &many).unwrap();
+    assert!(page.len() < 3_000_000, "{} bytes", page.len());
+    let shown = data(&page)["packed_episodes"].as_array().unwrap().len();
+    assert!((100..1500).contains(&shown), "{shown}");
 }
 
 #[test]
@@ -233,4 +288,6 @@ fn the_page_of_a_study_is_that_of_its_best_trial() {
     desk.ok("replay @run --html @run.html");
     let decisions = |page: &str| data(&desk.text(page))["decisions"].clone();
     assert_eq!(decisions("study.html"), decisions("run.html"));
+    let inside = packed_episodes(&data(&desk.text("study.html")));
+    assert_eq!(inside.len(), 5);
 }

@@ -28,8 +28,8 @@ pub struct ReplayArgs {
     #[arg(long, conflicts_with = "live")]
     compare: bool,
     /// Write a web page that plays the recording without network, server or viewer. For a run, the
-    /// page shows the highlights; for a study, those of its best trial; with `--compare`, two runs
-    /// side by side.
+    /// page shows the highlights and the episodes; for a study, those of its best trial; with
+    /// `--compare`, the highlights of two runs side by side.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["live", "output"])]
     html: Option<PathBuf>,
     /// Play the recording in this terminal: the maze, the robot, and each decision in words. For a

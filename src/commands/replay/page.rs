@@ -7,14 +7,15 @@ use std::path::{Path, PathBuf};
 use xcscr::ErrorKind;
 use xcscr::record::player;
 use xcscr::record::reader::Recording;
-use xcscr::record::{Comparison, RecordMode, RecordingKind};
+use xcscr::record::{Comparison, RecordMode};
 use xcscr::run;
 use xcscr::study::{PlannedStudy, StudyFolder};
 
 use super::{browser, highlights};
 use crate::commands::failure::Failure;
 use crate::commands::output::OutputFile;
-use crate::commands::terminal::file_link;
+use crate::commands::source::recordings;
+use crate::commands::terminal::{file_link, shows_links, write_link};
 
 /// Writes the page to `file` and prints its address.
 pub fn write(
@@ -26,7 +27,10 @@ pub fn write(
 ) -> Result<(), Failure> {
     let output = OutputFile::free(file, force)?;
     let page = match (paths, compare) {
-        ([a, b], true) => of_bytes("comparison.mcap", Comparison::of([a, b])?.bytes)?,
+        ([a, b], true) => {
+            let bytes = Comparison::of([a, b])?.bytes;
+            player::page(&Recording::from_bytes(Path::new("comparison.mcap"), bytes)?)?
+        }
         ([path], false) => page_of(path, out)?,
         _ => {
             let message =
@@ -36,7 +40,11 @@ pub fn write(
     };
     output.write(page.as_bytes())?;
     let link = file_link(file);
-    writeln!(out, "{link}")?;
+    match shows_links() {
+        true => write_link("", &link, out)?,
+        // Programs read the address.
+        false => writeln!(out, "{link}")?,
+    }
     if open {
         browser::open(&link);
     }
@@ -47,7 +55,19 @@ fn page_of(path: &Path, out: &mut impl Write) -> Result<String, Failure> {
     if PlannedStudy::is_in(path) {
         return page_of_study(&StudyFolder::read(path)?, out);
     }
-    Ok(player::page(&highlights::recording(path)?)?)
+    let recording = highlights::recording(path)?;
+    if !path.is_dir() {
+        return Ok(player::page(&recording)?);
+    }
+    let mut episodes = recordings(path)?;
+    episodes.retain(|file| is_episode(file));
+    Ok(player::page_of_run(&recording, &episodes)?)
+}
+
+/// Returns true if a file is the finished recording of an episode of a run, by its name.
+fn is_episode(file: &Path) -> bool {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    name.starts_with("ep-") && name.ends_with(".mcap")
 }
 
 /// Repeats the best trial of a study and returns its page.
@@ -63,15 +83,5 @@ fn page_of_study(study: &StudyFolder, out: &mut impl Write) -> Result<String, Fa
         "trial {number}: {world}, {method}, seed {}",
         plan.config.seed
     )?;
-    of_bytes(
-        &RecordingKind::Highlights.file_name(),
-        run::highlights(&plan, RecordMode::Beams)?,
-    )
-}
-
-fn of_bytes(name: &str, bytes: Vec<u8>) -> Result<String, Failure> {
-    Ok(player::page(&Recording::from_bytes(
-        Path::new(name),
-        bytes,
-    )?)?)
+    Ok(run::page(&plan, RecordMode::Beams)?)
 }

@@ -4,6 +4,7 @@ use foxglove::messages::{FrameTransform, FrameTransforms, SceneUpdate};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use super::episodes::PackedEpisode;
 use super::shapes::Scene;
 use crate::picture::{NO_GOAL, SCALE, css};
 use crate::record::info;
@@ -49,6 +50,8 @@ pub struct Data {
     /// The captions whose title differs from the previous one.
     segments: Vec<Timed>,
     scenes: Scenes,
+    /// The episodes inside the page of a run.
+    pub packed_episodes: Vec<PackedEpisode>,
     /// The steps, and for each step the middle of its cell as a pose.
     #[serde(skip)]
     cells: Vec<[f64; 4]>,
@@ -134,6 +137,17 @@ impl Data {
     /// Returns world, method, arena, sensor and seed.
     pub fn heading(&self) -> &str {
         &self.heading
+    }
+
+    /// Returns the number of the first episode; `None` without an episode.
+    pub fn first_episode(&self) -> Option<u64> {
+        self.episodes.first()?.get("episode")?.as_u64()
+    }
+
+    /// Removes the learning curve, which grows with each episode of a run.
+    pub fn without_curve(self) -> Self {
+        let curve = Value::Null;
+        Self { curve, ..self }
     }
 
     fn add(&mut self, message: &Message, maze: &Maze) -> Result<(), String> {

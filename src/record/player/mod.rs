@@ -3,12 +3,15 @@
 //! The page of a comparison has the pages of both runs in frames, which play and pause together.
 //!
 //! A page contains the recording's messages as JSON (`data.rs`) and a script that draws them. The
-//! script's functions that need no page are in `timeline.js`, and `timeline.test.mjs` tests them
-//! with Node.
+//! page of a run also contains its episodes, packed (`episodes.rs`). The script's functions that
+//! need no page are in `timeline.js` and `words.js`; Node tests them (`*.test.mjs`).
 
 mod data;
+mod episodes;
 mod shapes;
 mod text;
+
+use std::path::PathBuf;
 
 use minijinja::{Environment, Value, context};
 
@@ -22,7 +25,15 @@ pub use text::TextPlayer;
 const COMPARISON: &str = include_str!("comparison.html");
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = concat!(include_str!("timeline.js"), "\n", include_str!("player.js"));
+const SCRIPT: &str = concat!(
+    include_str!("timeline.js"),
+    "\n",
+    include_str!("words.js"),
+    "\n",
+    include_str!("drawing.js"),
+    "\n",
+    include_str!("player.js")
+);
 
 /// Returns a recording as an HTML page that plays it in a browser. A comparison plays both runs
 /// side by side.
@@ -31,26 +42,40 @@ const SCRIPT: &str = concat!(include_str!("timeline.js"), "\n", include_str!("pl
 /// If messages cannot be decoded or the world is missing.
 pub fn page(recording: &Recording) -> Result<String, RecordError> {
     if recording.extent() != Some(RecordingKind::Comparison) {
-        return Ok(page_of(&Data::of(recording, None)?));
+        let data = Data::of(recording, None)?;
+        return Ok(page_of(&data, data.heading()));
     }
     let [a, b] = SIDES.map(|side| Data::of(recording, Some(side)));
     let (a, b) = (a?, b?);
+    let [title_a, title_b] =
+        [("A", &a), ("B", &b)].map(|(side, data)| format!("{side}: {}", data.heading()));
     Ok(filled(
         COMPARISON,
         context! {
-            title_a => escaped(a.heading()),
-            title_b => escaped(b.heading()),
-            a => escaped(&page_of(&a)),
-            b => escaped(&page_of(&b)),
+            title_a => escaped(&title_a),
+            title_b => escaped(&title_b),
+            a => escaped(&page_of(&a, &title_a)),
+            b => escaped(&page_of(&b, &title_b)),
         },
     ))
 }
 
+/// Returns the page of a run: it plays the highlights, and the episodes with these recordings. Of
+/// many or large episodes, it contains a part, which takes at most 2.5 MB.
+///
+/// # Errors
+/// If messages cannot be decoded, the world is missing, or a recording cannot be read.
+pub fn page_of_run(highlights: &Recording, episodes: &[PathBuf]) -> Result<String, RecordError> {
+    let mut data = Data::of(highlights, None)?;
+    data.packed_episodes = episodes::packed(episodes)?;
+    Ok(page_of(&data, data.heading()))
+}
+
 /// Returns the page of one run.
-fn page_of(data: &Data) -> String {
+fn page_of(data: &Data, title: &str) -> String {
     let json = serde_json::to_string(data).expect("the data have text keys and finite numbers");
     let values = context! {
-        title => escaped(data.heading()),
+        title => escaped(title),
         style => STYLE,
         data => inert(&json),
         script => SCRIPT,

@@ -79,6 +79,13 @@ function clock(t) {
   return `${Math.floor(t / 60)}:${seconds}`;
 }
 
+/** Returns the data in a packed text: JSON, compressed with zlib, in base64. */
+async function inflated(text) {
+  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return JSON.parse(await new Response(stream).text());
+}
+
 if (typeof module !== "undefined") {
-  module.exports = { lastIndex, lastAt, turn, posesFrom, poseAt, inGrid, moved, decisionFrom, clock };
+  module.exports = { lastIndex, lastAt, turn, posesFrom, poseAt, inGrid, moved, decisionFrom, clock, inflated };
 }

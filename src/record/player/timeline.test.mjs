@@ -1,9 +1,10 @@
-// Tests of timeline.js: `node --test src/player/`.
+// Tests of timeline.js: `node --test src/record/player`.
 import assert from "node:assert/strict";
 import { createRequire } from "node:module";
 import { test } from "node:test";
+import { deflateSync } from "node:zlib";
 
-const { lastAt, turn, posesFrom, poseAt, inGrid, moved, decisionFrom, clock } = createRequire(import.meta.url)("./timeline.js");
+const { lastAt, turn, posesFrom, poseAt, inGrid, moved, decisionFrom, clock, inflated } = createRequire(import.meta.url)("./timeline.js");
 const at = (...times) => times.map((t) => ({ t }));
 
 test("the last entry holds until the next one, and none before the first", () => {
@@ -53,4 +54,10 @@ test("steps go from decision to decision and stop at the ends", () => {
 
 test("the clock counts minutes and seconds", () => {
   assert.deepEqual([0, 9.96, 61.25, 600].map(clock), ["0:00.0", "0:10.0", "1:01.3", "10:00.0"]);
+});
+
+test("packed data are unpacked", async () => {
+  const data = { rule: "value ± 1", poses: [[0, 1.5, -2, 3]] };
+  const text = deflateSync(JSON.stringify(data)).toString("base64");
+  assert.deepEqual(await inflated(text), data);
 });
