@@ -1,6 +1,7 @@
 //! Reads and writes files.
 
 mod atomic;
+mod error;
 mod lock;
 mod typed;
 
@@ -15,6 +16,7 @@ pub(crate) use atomic::{
     aside, is_leftover_of, keep_or_create, leftover_of, persist, remove_leftovers, rename, replace,
     replace_with,
 };
+pub(crate) use error::{cannot_create, cannot_read, cannot_write};
 pub(crate) use lock::{FolderLock, LOCK, is_foreign_lock};
 pub use typed::{named, typed};
 pub use xcscr_robot::input::{open, read, read_text};

@@ -1,53 +1,30 @@
-//! Errors when writing and reading recordings. Every message names the file and what to do.
+//! Errors of recordings. Every message names the file and says what to do.
 
 use std::fmt::Display;
-use std::io;
 use std::path::Path;
 
 use mcap::McapError;
 
 use crate::disk;
-use crate::error::ErrorKind;
-
-pub use crate::error::Error as RecordError;
+use crate::error::{Error, ErrorKind};
 
 /// The end of the message about a damaged recording.
 const ADVICE: &str = "; `xcscr recording check` lists the faults, `xcscr recording recover` saves the readable part: ";
 
-/// Returns the conversion of an error when creating a file.
-pub(super) fn create(path: &Path) -> impl Fn(io::Error) -> RecordError {
-    move |cause| {
-        let hint = disk::way_out_or(&cause, "; choose another folder, or free this one");
-        let message = format!(
-            "cannot create the recording: {cause}{hint}: {}",
-            path.display()
-        );
-        ErrorKind::CannotCreate.error(message)
-    }
-}
-
-/// Returns the conversion of an error when reading a file.
-pub(super) fn read(path: &Path) -> impl Fn(io::Error) -> RecordError {
-    move |cause| {
-        let message = format!("cannot read the recording: {cause}: {}", path.display());
-        ErrorKind::of_reading(&cause).error(message)
-    }
-}
-
 /// Returns the conversion of an error when writing a file, for example because the disk is full.
 /// The data written so far is kept.
-pub(super) fn write<E: Into<McapError>>(path: &Path) -> impl Fn(E) -> RecordError {
+pub(super) fn write<E: Into<McapError>>(path: &Path) -> impl Fn(E) -> Error {
     move |cause| unwritten(path, explained(&cause.into()))
 }
 
 /// Returns the error for a file that cannot be written.
-pub(super) fn unwritten(path: &Path, cause: impl Display) -> RecordError {
+pub(super) fn unwritten(path: &Path, cause: impl Display) -> Error {
     let message = format!("cannot write the recording: {cause}: {}", path.display());
     ErrorKind::Io.error(message)
 }
 
 /// Returns the error for a file with these bytes, which are not an MCAP file.
-pub(super) fn foreign(path: &Path, bytes: &[u8]) -> RecordError {
+pub(super) fn foreign(path: &Path, bytes: &[u8]) -> Error {
     let kind = match bytes.starts_with(b"SQLite format 3") {
         true => "it is a database; `ros2 bag convert` converts a bag to MCAP",
         false => "it does not begin like an MCAP file",
@@ -57,7 +34,7 @@ pub(super) fn foreign(path: &Path, bytes: &[u8]) -> RecordError {
 }
 
 /// Returns the conversion of a fault in a file.
-pub(super) fn damaged<E: Display>(path: &Path) -> impl Fn(E) -> RecordError {
+pub(super) fn damaged<E: Display>(path: &Path) -> impl Fn(E) -> Error {
     move |cause| {
         let message = format!(
             "this recording is damaged: {cause}{ADVICE}{}",
@@ -68,7 +45,7 @@ pub(super) fn damaged<E: Display>(path: &Path) -> impl Fn(E) -> RecordError {
 }
 
 /// Returns the message of an error without the advice to check the recording.
-pub(super) fn without_advice(error: &RecordError) -> String {
+pub(super) fn without_advice(error: &Error) -> String {
     let message = error.to_string();
     let fault = message
         .split_once(ADVICE)

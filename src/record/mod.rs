@@ -19,7 +19,6 @@ mod highlights;
 mod topics;
 mod write;
 
-pub use error::RecordError;
 pub use highlights::Comparison;
 pub(crate) use highlights::{HighlightsBuilder, Segment, ShownRun, compare_highlights, segments};
 pub use info::{RecordingKind, RobotShape, RunInfo, RunKind};

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::error::RunError;
 use super::folder::RunFolder;
 use super::highlights::Material;
 use super::source::{Source, attached_plan, recorded_mode};
+use crate::error::Error;
 use crate::record::reader::Recording;
 use crate::record::{self, Comparison, compare_highlights, layout};
 
@@ -16,7 +16,7 @@ impl Comparison {
     ///
     /// # Errors
     /// If a path is not a finished run, or a recording is damaged.
-    pub fn of(paths: [&Path; 2]) -> Result<Self, RunError> {
+    pub fn of(paths: [&Path; 2]) -> Result<Self, Error> {
         side_by_side([material(paths[0])?, material(paths[1])?])
     }
 
@@ -24,7 +24,7 @@ impl Comparison {
     ///
     /// # Errors
     /// If the recording does not name its runs, or a run cannot be repeated.
-    pub fn difference(recorded: &Recording) -> Result<Option<String>, RunError> {
+    pub fn difference(recorded: &Recording) -> Result<Option<String>, Error> {
         let again = |side: &str| {
             let plan = attached_plan(recorded, &format!("{side}/"))?;
             Material::again(&plan, recorded_mode(recorded, side)?)
@@ -35,7 +35,7 @@ impl Comparison {
     }
 }
 
-fn side_by_side([a, b]: [Material; 2]) -> Result<Comparison, RunError> {
+fn side_by_side([a, b]: [Material; 2]) -> Result<Comparison, Error> {
     let (mut of_a, mut of_b) = (a.builder()?, b.builder()?);
     for number in 0..a.segments().max(b.segments()) {
         a.add_segment(number, &mut of_a)?;
@@ -48,7 +48,7 @@ fn side_by_side([a, b]: [Material; 2]) -> Result<Comparison, RunError> {
     compare_highlights([of_a, of_b])
 }
 
-fn material(path: &Path) -> Result<Material, RunError> {
+fn material(path: &Path) -> Result<Material, Error> {
     match path.is_dir() {
         true => Material::of(&RunFolder::open(path)),
         false => {

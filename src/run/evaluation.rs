@@ -5,11 +5,12 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use super::contents::{file_names, is_of_a_run, is_of_a_training};
-use super::error::{self, RunError};
+use super::error;
 use super::facts::run_info;
 use crate::agent::{Frozen, Knowledge};
 use crate::disk;
 use crate::episode::{Episode, Learned, Observer};
+use crate::error::Error;
 use crate::error::ErrorKind;
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordSummary, Recorder, RecordingKind, RunInfo, RunKind};
@@ -27,7 +28,7 @@ pub fn record_evaluation(
     episodes: u32,
     folder: &Path,
     stop: &dyn Fn() -> bool,
-) -> Result<(Evaluation, RecordSummary), RunError> {
+) -> Result<(Evaluation, RecordSummary), Error> {
     record_drives(plan, knowledge, episodes, folder, (RecordMode::All, stop))
 }
 
@@ -36,10 +37,10 @@ pub fn record_evaluation(
 ///
 /// # Errors
 /// If the folder contains other files, or cannot be read or emptied.
-pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunError> {
+pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), Error> {
     let entries = match file_names(folder) {
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(()),
-        names => names.map_err(error::read(folder))?,
+        names => names.map_err(disk::cannot_read(folder))?,
     };
     if entries.is_empty() {
         return Ok(());
@@ -66,7 +67,7 @@ pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunError> {
     names.push(run);
     for name in names {
         let path = folder.join(name);
-        disk::remove(&path).map_err(error::write(&path))?;
+        disk::remove(&path).map_err(disk::cannot_write(&path))?;
     }
     Ok(())
 }
@@ -78,7 +79,7 @@ pub(super) fn record_drives(
     episodes: u32,
     folder: &Path,
     (mode, stop): (RecordMode, &dyn Fn() -> bool),
-) -> Result<(Evaluation, RecordSummary), RunError> {
+) -> Result<(Evaluation, RecordSummary), Error> {
     let plan = evaluation_plan(plan, knowledge, episodes)?;
     let Plan { maze, config } = &plan;
     let info = RunInfo {

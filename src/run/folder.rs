@@ -8,9 +8,10 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::contents::{CONFIG, Contents, PAGE, RULES, WORLD, file_names, is_of_a_run};
-use super::error::{self, RunError};
+use super::error;
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK};
+use crate::error::Error;
 use crate::error::ErrorKind;
 use crate::record::RecordingKind;
 use crate::record::resume_hint::{CHECKPOINT, way_to_resume};
@@ -32,16 +33,16 @@ impl RunFolder {
     ///
     /// # Errors
     /// If the folder is not empty, is in use, or cannot be created.
-    pub fn create(path: &Path, force: bool) -> Result<Self, RunError> {
+    pub fn create(path: &Path, force: bool) -> Result<Self, Error> {
         // Checked without a lock, so that no lock file is left in a foreign folder. An existing
         // lock may belong to another process that is about to begin there.
         let lock = path.join(LOCK);
         let is_free = !lock.exists() || disk::is_foreign_lock(&lock);
-        let contents = || Contents::checked(path).map_err(error::create(path));
+        let contents = || Contents::checked(path).map_err(disk::cannot_create(path));
         if is_free && contents()? == Contents::Foreign {
             return Err(error::foreign(path));
         }
-        fs::create_dir_all(path).map_err(error::create(path))?;
+        fs::create_dir_all(path).map_err(disk::cannot_create(path))?;
         let folder = Self::locked(path)?;
         match contents()? {
             Contents::Foreign => Err(error::foreign(path)),
@@ -64,15 +65,15 @@ impl RunFolder {
     ///
     /// # Errors
     /// If there is no run, or another process uses the folder.
-    pub fn resume(path: &Path) -> Result<Self, RunError> {
-        match Contents::of(path).map_err(error::read(path))? {
+    pub fn resume(path: &Path) -> Result<Self, Error> {
+        match Contents::of(path).map_err(disk::cannot_read(path))? {
             Contents::Interrupted | Contents::Run => Self::locked(path)?.tidied(),
             _ => Err(nothing_to_resume(path)),
         }
     }
 
-    fn locked(path: &Path) -> Result<Self, RunError> {
-        let lock = FolderLock::acquire(path, error::create(&path.join(LOCK)))?;
+    fn locked(path: &Path) -> Result<Self, Error> {
+        let lock = FolderLock::acquire(path, disk::cannot_create(&path.join(LOCK)))?;
         Ok(Self {
             path: path.to_owned(),
             _lock: Some(lock),
@@ -80,16 +81,16 @@ impl RunFolder {
     }
 
     /// Removes the temporary files that a killed process left.
-    fn tidied(self) -> Result<Self, RunError> {
+    fn tidied(self) -> Result<Self, Error> {
         let tidied = disk::remove_leftovers(&self.path, is_of_a_run);
-        tidied.map_err(error::read(&self.path))?;
+        tidied.map_err(disk::cannot_read(&self.path))?;
         Ok(self)
     }
 
     /// Returns the names of the files in the folder in order, without names that are not valid
     /// text.
-    pub(super) fn names(&self) -> Result<Vec<String>, RunError> {
-        let names = file_names(&self.path).map_err(error::read(&self.path))?;
+    pub(super) fn names(&self) -> Result<Vec<String>, Error> {
+        let names = file_names(&self.path).map_err(disk::cannot_read(&self.path))?;
         let names = names.into_iter();
         let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).collect();
         names.sort_unstable();
@@ -97,16 +98,16 @@ impl RunFolder {
     }
 
     /// Removes the files of the run; those that identify the folder as a run come last.
-    fn clear(&self) -> Result<(), RunError> {
+    fn clear(&self) -> Result<(), Error> {
         let mut names = self.names()?;
         names.retain(|name| is_of_a_run(name) && name != CONFIG && name != CHECKPOINT);
         names.extend([CHECKPOINT.to_owned(), CONFIG.to_owned()]);
         names.iter().try_for_each(|name| self.remove(name))
     }
 
-    fn remove(&self, name: &str) -> Result<(), RunError> {
+    fn remove(&self, name: &str) -> Result<(), Error> {
         let path = self.path.join(name);
-        disk::remove(&path).map_err(error::write(&path))
+        disk::remove(&path).map_err(disk::cannot_write(&path))
     }
 
     /// Opens the folder of an existing run for reading.
@@ -131,7 +132,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn save_plan(&self, plan: &Plan) -> Result<(), RunError> {
+    pub fn save_plan(&self, plan: &Plan) -> Result<(), Error> {
         let mut texts = Self::texts_of(plan).into_iter();
         texts.try_for_each(|(name, text)| self.write(name, text.as_bytes()))
     }
@@ -148,7 +149,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// If a file is missing, damaged or unreadable.
-    pub fn plan(&self) -> Result<Plan, RunError> {
+    pub fn plan(&self) -> Result<Plan, Error> {
         let maze = Maze::load(&self.existing(WORLD)?)?;
         let config: Config = self.read(CONFIG)?;
         let plan = Plan { maze, config };
@@ -160,7 +161,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn save_knowledge(&self, knowledge: &Knowledge) -> Result<(), RunError> {
+    pub fn save_knowledge(&self, knowledge: &Knowledge) -> Result<(), Error> {
         self.write(RULES, disk::json(knowledge).as_bytes())
     }
 
@@ -168,7 +169,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// If the file is missing, damaged or unreadable.
-    pub fn knowledge(&self) -> Result<Knowledge, RunError> {
+    pub fn knowledge(&self) -> Result<Knowledge, Error> {
         self.read(RULES)
     }
 
@@ -176,7 +177,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn save_highlights(&self, highlights: &[u8]) -> Result<(PathBuf, u64), RunError> {
+    pub fn save_highlights(&self, highlights: &[u8]) -> Result<(PathBuf, u64), Error> {
         let name = RecordingKind::Highlights.file_name();
         self.write(&name, highlights)?;
         Ok((self.path.join(name), highlights.len() as u64))
@@ -186,7 +187,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn save_page(&self, page: &str) -> Result<(), RunError> {
+    pub fn save_page(&self, page: &str) -> Result<(), Error> {
         self.write(PAGE, page.as_bytes())
     }
 
@@ -200,7 +201,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// An error of the file system; the earlier checkpoint is kept.
-    pub fn save_checkpoint(&self, state: &impl Serialize) -> Result<(), RunError> {
+    pub fn save_checkpoint(&self, state: &impl Serialize) -> Result<(), Error> {
         self.write(CHECKPOINT, &seal(state))
     }
 
@@ -213,21 +214,21 @@ impl RunFolder {
     ///
     /// # Errors
     /// If the checkpoint cannot be read, is damaged, or is of another version.
-    pub fn checkpoint<T: DeserializeOwned>(&self) -> Result<Option<T>, RunError> {
+    pub fn checkpoint<T: DeserializeOwned>(&self) -> Result<Option<T>, Error> {
         let path = self.path.join(CHECKPOINT);
         if !path.is_file() && self.path.join(RULES).is_file() {
             return Ok(None);
         }
         let bytes = disk::read(&path, disk::MOST_BYTES).map_err(|cause| match cause.kind() {
             io::ErrorKind::NotFound => nothing_to_resume(&self.path),
-            _ => error::read(&path)(cause),
+            _ => disk::cannot_read(&path)(cause),
         })?;
         let state = unseal(&bytes).map_err(|fault| self.bad_checkpoint(fault))?;
         Ok(Some(state))
     }
 
     /// Returns the error that the checkpoint cannot be used, with this fault.
-    pub fn bad_checkpoint(&self, fault: CheckpointError) -> RunError {
+    pub fn bad_checkpoint(&self, fault: CheckpointError) -> Error {
         let path = self.path.join(CHECKPOINT);
         let message = format!("cannot resume from {}: {fault}", path.display());
         ErrorKind::BadData.error(message)
@@ -237,11 +238,11 @@ impl RunFolder {
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn remove_checkpoint(&self) -> Result<(), RunError> {
+    pub fn remove_checkpoint(&self) -> Result<(), Error> {
         self.remove(CHECKPOINT)
     }
 
-    fn existing(&self, name: &str) -> Result<PathBuf, RunError> {
+    fn existing(&self, name: &str) -> Result<PathBuf, Error> {
         let path = self.path.join(name);
         match path.exists() {
             true => Ok(path),
@@ -254,28 +255,28 @@ impl RunFolder {
         }
     }
 
-    fn read<T: DeserializeOwned>(&self, name: &str) -> Result<T, RunError> {
+    fn read<T: DeserializeOwned>(&self, name: &str) -> Result<T, Error> {
         let path = self.existing(name)?;
         let text = disk::read(&path, disk::MOST_BYTES);
         let text = text.map_err(|cause| match cause.kind() {
             io::ErrorKind::FileTooLarge => self.damaged(name, &cause),
-            _ => error::read(&path)(cause),
+            _ => disk::cannot_read(&path)(cause),
         })?;
         serde_json::from_slice(&text).map_err(|fault| self.damaged(name, &fault))
     }
 
-    fn damaged(&self, name: &str, fault: &dyn std::fmt::Display) -> RunError {
+    fn damaged(&self, name: &str, fault: &dyn std::fmt::Display) -> Error {
         let message = format!("{} is damaged: {fault}", self.path.join(name).display());
         ErrorKind::BadData.error(message)
     }
 
-    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), RunError> {
+    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Error> {
         let path = self.path.join(name);
-        disk::replace(&path, bytes).map_err(error::write(&path))
+        disk::replace(&path, bytes).map_err(disk::cannot_write(&path))
     }
 }
 
-fn nothing_to_resume(folder: &Path) -> RunError {
+fn nothing_to_resume(folder: &Path) -> Error {
     let typed = disk::typed(folder);
     let message = format!(
         "{} contains no interrupted run: begin one with `xcscr train WORLD --out {typed}`; `--force` \

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::error::{self, RunError};
+use super::error;
 use super::evaluation::record_drives;
 use super::facts::run_info;
 use super::folder::RunFolder;
@@ -10,6 +10,7 @@ use super::rerun::Rerun;
 use super::source::{Source, mode_for_highlights, recorded_mode};
 use super::verify::Again;
 use crate::agent::Knowledge;
+use crate::error::Error;
 use crate::error::ErrorKind;
 use crate::record::player;
 use crate::record::reader::Recording;
@@ -26,7 +27,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// If the folder does not contain a finished run, or one of its recordings is damaged.
-    pub fn highlights(&self) -> Result<Vec<u8>, RunError> {
+    pub fn highlights(&self) -> Result<Vec<u8>, Error> {
         Material::of(self)?.build()
     }
 }
@@ -35,7 +36,7 @@ impl RunFolder {
 ///
 /// # Errors
 /// If the plan is invalid, or a temporary file cannot be written.
-pub fn highlights(plan: &Plan, mode: RecordMode) -> Result<Vec<u8>, RunError> {
+pub fn highlights(plan: &Plan, mode: RecordMode) -> Result<Vec<u8>, Error> {
     Material::again(plan, mode)?.build()
 }
 
@@ -54,14 +55,14 @@ impl Source {
     /// # Errors
     /// If the plan is invalid, the recording shows an evaluation, or a temporary file cannot be
     /// written.
-    pub fn highlights(&self) -> Result<Vec<u8>, RunError> {
+    pub fn highlights(&self) -> Result<Vec<u8>, Error> {
         self.require_training()?;
         highlights(&self.run.plan, self.mode)
     }
 }
 
 /// Rejects very large worlds, because highlights draw every cell.
-fn require_few_cells(plan: &Plan) -> Result<(), RunError> {
+fn require_few_cells(plan: &Plan) -> Result<(), Error> {
     match plan.maze.is_vast() {
         true => {
             let message = format!(
@@ -89,7 +90,7 @@ pub(super) struct Material {
 
 impl Material {
     /// Collects the sources from a finished run.
-    pub fn of(folder: &RunFolder) -> Result<Self, RunError> {
+    pub fn of(folder: &RunFolder) -> Result<Self, Error> {
         let plan = folder.plan()?;
         require_few_cells(&plan)?;
         let knowledge = folder.knowledge()?;
@@ -100,7 +101,7 @@ impl Material {
     }
 
     /// Runs the trial again, with beams if they were recorded before.
-    pub fn again(plan: &Plan, mode: RecordMode) -> Result<Self, RunError> {
+    pub fn again(plan: &Plan, mode: RecordMode) -> Result<Self, Error> {
         require_few_cells(plan)?;
         let run = Rerun::training(plan.clone());
         let again = Again::of(run, mode_for_highlights(mode), &mut ())?;
@@ -112,7 +113,7 @@ impl Material {
     }
 
     /// Collects the sources from the complete recordings in `folder`.
-    pub fn in_folder(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<Self, RunError> {
+    pub fn in_folder(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<Self, Error> {
         let plan = plan.clone().settled();
         let run = Recording::open(&folder.join(RecordingKind::Run.file_name()))?;
         let temporary = tempfile::tempdir().map_err(error::temporary)?;
@@ -131,7 +132,7 @@ impl Material {
     }
 
     /// Creates the builder of the highlights.
-    pub fn builder(&self) -> Result<HighlightsBuilder<'_>, RunError> {
+    pub fn builder(&self) -> Result<HighlightsBuilder<'_>, Error> {
         let run = ShownRun {
             maze: &self.plan.maze,
             info: run_info(&self.plan),
@@ -151,7 +152,7 @@ impl Material {
         &self,
         number: usize,
         builder: &mut HighlightsBuilder<'_>,
-    ) -> Result<(), RunError> {
+    ) -> Result<(), Error> {
         match self.segments.get(number) {
             Some(segment) => Ok(builder.segment(segment, &self.episode(segment.episode)?)?),
             None => Ok(()),
@@ -159,12 +160,12 @@ impl Material {
     }
 
     /// Adds the drive of the learned policy.
-    pub fn add_drive(&self, builder: &mut HighlightsBuilder<'_>) -> Result<(), RunError> {
+    pub fn add_drive(&self, builder: &mut HighlightsBuilder<'_>) -> Result<(), Error> {
         builder.drive(self.plan.config.episodes, &self.drive)
     }
 
     /// Returns the learning curve of all episodes, as a message of `/curve`.
-    fn whole_curve(&self) -> Result<Vec<u8>, RunError> {
+    fn whole_curve(&self) -> Result<Vec<u8>, Error> {
         let mut last = Vec::new();
         for message in self.episode(self.plan.config.episodes)?.messages() {
             let message = message?;
@@ -175,13 +176,13 @@ impl Material {
         Ok(last)
     }
 
-    fn episode(&self, number: u32) -> Result<Recording, RunError> {
+    fn episode(&self, number: u32) -> Result<Recording, Error> {
         let file = RecordingKind::Episode(number).file_name();
         Recording::open(&self.folder.join(file))
     }
 
     /// Returns the highlights as the bytes of a file.
-    pub fn build(&self) -> Result<Vec<u8>, RunError> {
+    pub fn build(&self) -> Result<Vec<u8>, Error> {
         let mut builder = self.builder()?;
         for number in 0..self.segments() {
             self.add_segment(number, &mut builder)?;

@@ -34,7 +34,6 @@ mod rerun;
 mod untouched;
 mod verify;
 
-pub use error::RunError;
 pub use evaluation::{clear_evaluation, record_evaluation};
 pub use external::{ExternalActions, ExternalEpisode, ExternalRecorder, WheelSpeeds};
 pub use folder::RunFolder;

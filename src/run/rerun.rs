@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use super::error::RunError;
 use super::evaluation::{evaluation_plan, record_drives};
 use super::external::{ExternalEpisode, record_external};
 use super::facts::run_info;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
+use crate::error::Error;
 use crate::record::{RecordMode, Recorder};
 use crate::trial::{Evaluation, Plan, Trial};
 
@@ -38,7 +38,7 @@ impl Rerun {
     ///
     /// # Errors
     /// If the plan cannot be run.
-    pub fn watch(&self, observer: &mut dyn Observer) -> Result<Knowledge, RunError> {
+    pub fn watch(&self, observer: &mut dyn Observer) -> Result<Knowledge, Error> {
         let Some(knowledge) = &self.evaluated else {
             let mut trial = Trial::new(self.plan.clone())?;
             let _ = trial.run(observer);
@@ -57,7 +57,7 @@ impl Rerun {
         folder: &Path,
         mode: RecordMode,
         observer: &mut dyn Observer,
-    ) -> Result<Knowledge, RunError> {
+    ) -> Result<Knowledge, Error> {
         let plan = &self.plan;
         if let Some(knowledge) = &self.evaluated {
             let episodes = plan.config.episodes;

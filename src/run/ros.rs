@@ -1,10 +1,11 @@
 //! Recordings for ROS 2, made by repeating the recorded run.
 
-use super::error::{self, RunError};
+use super::error;
 use super::folder::RunFolder;
 use super::rerun::Rerun;
 use super::source::Source;
 use crate::arena::ArenaKind;
+use crate::error::Error;
 use crate::record::{RecordingKind, RosBag};
 
 impl RunFolder {
@@ -13,7 +14,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// If the run cannot be read or repeated.
-    pub fn ros_bag(&self) -> Result<Vec<u8>, RunError> {
+    pub fn ros_bag(&self) -> Result<Vec<u8>, Error> {
         bag(&Rerun::training(self.plan()?), None)
     }
 }
@@ -24,7 +25,7 @@ impl Source {
     /// # Errors
     /// If they cannot be repeated, or the recording shows highlights, which have parts of many
     /// episodes.
-    pub fn ros_bag(&self) -> Result<Vec<u8>, RunError> {
+    pub fn ros_bag(&self) -> Result<Vec<u8>, Error> {
         self.require_method()?;
         let only = match self.extent {
             RecordingKind::Episode(episode) => Some(episode),
@@ -40,7 +41,7 @@ impl Source {
 }
 
 /// Repeats the run, and writes one episode or all.
-fn bag(run: &Rerun, only: Option<u32>) -> Result<Vec<u8>, RunError> {
+fn bag(run: &Rerun, only: Option<u32>) -> Result<Vec<u8>, Error> {
     let config = &run.plan.config;
     let physics = &config.settings.physics;
     let wheel_base_m = (config.arena == ArenaKind::Physics).then_some(physics.wheel_base_m);

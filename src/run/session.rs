@@ -6,12 +6,13 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::error::{self, RunError};
+use super::error;
 use super::facts::run_info;
 use super::folder::RunFolder;
 use super::highlights::Material;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
+use crate::error::Error;
 use crate::error::ErrorKind;
 use crate::record::resume_hint::resume_hint;
 use crate::record::{RecordMode, RecordSummary, Recorder, RecorderMemory, Tap};
@@ -65,7 +66,7 @@ impl Session {
     ///
     /// # Errors
     /// If a file of the run cannot be written.
-    pub fn begin(folder: RunFolder, trial: Trial, mode: RecordMode) -> Result<Self, RunError> {
+    pub fn begin(folder: RunFolder, trial: Trial, mode: RecordMode) -> Result<Self, Error> {
         let plan = trial.plan();
         // Save a checkpoint first, so that the run can be resumed whenever it is stopped from here
         // on.
@@ -84,7 +85,7 @@ impl Session {
     /// # Errors
     /// If the checkpoint or a required recording is missing, damaged or inconsistent. If the
     /// settings or the world were changed by hand. If a foreign file would be replaced.
-    pub fn resume(folder: RunFolder) -> Result<Resumed, RunError> {
+    pub fn resume(folder: RunFolder) -> Result<Resumed, Error> {
         let Some(State {
             trial,
             recorder,
@@ -133,7 +134,7 @@ impl Session {
         self,
         observer: &mut dyn Observer,
         stop: &dyn Fn() -> bool,
-    ) -> Result<Finished, RunError> {
+    ) -> Result<Finished, Error> {
         let folder = self.folder.path().to_owned();
         let finished = self.run_to_end(observer, stop);
         finished.map_err(|error| error::resumable_in(error, &folder))
@@ -143,7 +144,7 @@ impl Session {
         mut self,
         observer: &mut dyn Observer,
         stop: &dyn Fn() -> bool,
-    ) -> Result<Finished, RunError> {
+    ) -> Result<Finished, Error> {
         self.episodes(observer, stop)?;
         let mode = self.recorder.mode();
         let mut recording = self.recorder.finish(self.trial.method())?;
@@ -168,7 +169,7 @@ impl Session {
         &mut self,
         observer: &mut dyn Observer,
         stop: &dyn Fn() -> bool,
-    ) -> Result<(), RunError> {
+    ) -> Result<(), Error> {
         while !self.trial.is_finished() {
             let mut observers = (&mut self.recorder, &mut *observer);
             let (episode, flow) = self.trial.run_episode(&mut observers);
@@ -186,7 +187,7 @@ impl Session {
     }
 
     /// Saves a checkpoint. The time until the next one follows from the duration of this one.
-    fn save(&mut self) -> Result<(), RunError> {
+    fn save(&mut self) -> Result<(), Error> {
         let begun = Instant::now();
         let state = State {
             recorder: self.recorder.memory()?,
@@ -199,7 +200,7 @@ impl Session {
         Ok(())
     }
 
-    fn interrupted(&self) -> RunError {
+    fn interrupted(&self) -> Error {
         let (done, all) = (
             self.trial.progress().episodes,
             self.trial.plan().config.episodes,
@@ -216,7 +217,7 @@ fn save_highlights(
     folder: &RunFolder,
     trial: &Trial,
     knowledge: &Knowledge,
-) -> Result<(PathBuf, u64), RunError> {
+) -> Result<(PathBuf, u64), Error> {
     let material = Material::in_folder(folder.path(), trial.plan(), knowledge)?;
     let highlights = material.build()?;
     let saved = folder.save_highlights(&highlights)?;

@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-use super::error::{self, RunError};
+use super::error;
 use super::external::{EXTERNAL_EPISODES, METHOD};
 use super::rerun::Rerun;
 use crate::agent::Knowledge;
 use crate::episode::{Episode, Learned, Observer};
+use crate::error::Error;
 use crate::error::ErrorKind;
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordModeError, RecordingKind, RunKind};
@@ -38,7 +39,7 @@ impl Source {
     ///
     /// # Errors
     /// If the file cannot be read, or does not contain the facts of its run.
-    pub fn of(file: &Path) -> Result<Self, RunError> {
+    pub fn of(file: &Path) -> Result<Self, Error> {
         let recording = Recording::open(file)?;
         let metadata = recording.metadata("run");
         let entry = |key: &str| metadata.and_then(|m| m.get(key)).map_or("", String::as_str);
@@ -84,7 +85,7 @@ impl Source {
     ///
     /// # Errors
     /// If the recording shows an evaluation, in which nothing is learned, or an external agent.
-    pub fn require_training(&self) -> Result<(), RunError> {
+    pub fn require_training(&self) -> Result<(), Error> {
         self.require_method()?;
         match self.run.evaluated {
             None => Ok(()),
@@ -99,7 +100,7 @@ impl Source {
     ///
     /// # Errors
     /// If an external agent chose the actions.
-    pub(super) fn require_method(&self) -> Result<(), RunError> {
+    pub(super) fn require_method(&self) -> Result<(), Error> {
         match self.run.external {
             None => Ok(()),
             Some(_) => Err(error::recording(
@@ -113,7 +114,7 @@ impl Source {
     ///
     /// # Errors
     /// If the plan of the recording cannot be run, or an external agent chose the actions.
-    pub fn knowledge(&self) -> Result<Knowledge, RunError> {
+    pub fn knowledge(&self) -> Result<Knowledge, Error> {
         self.require_method()?;
         match &self.run.evaluated {
             Some(knowledge) => Ok(knowledge.clone()),
@@ -135,7 +136,7 @@ impl Observer for Last {
 }
 
 /// Returns the recording mode from a recording's metadata of this name.
-pub(super) fn recorded_mode(recording: &Recording, name: &str) -> Result<RecordMode, RunError> {
+pub(super) fn recorded_mode(recording: &Recording, name: &str) -> Result<RecordMode, Error> {
     let entry = recording.metadata(name).and_then(|m| m.get("record"));
     let mode = entry.map_or("", String::as_str).parse();
     mode.map_err(|fault: RecordModeError| error::recording(recording.path(), fault))
@@ -151,7 +152,7 @@ pub(super) fn mode_for_highlights(mode: RecordMode) -> RecordMode {
 
 /// Returns the plan whose world and settings are attached to a recording. `below` is a prefix of
 /// the names that is empty or ends with `/`.
-pub(super) fn attached_plan(recording: &Recording, below: &str) -> Result<Plan, RunError> {
+pub(super) fn attached_plan(recording: &Recording, below: &str) -> Result<Plan, Error> {
     let damaged = |fault: String| error::recording(recording.path(), fault);
     let attached = |name: &str| {
         let name = format!("{below}{name}");
@@ -169,7 +170,7 @@ fn attached_to_run<T: DeserializeOwned>(
     file: &Path,
     recording: &Recording,
     name: &str,
-) -> Result<T, RunError> {
+) -> Result<T, Error> {
     let beside = file.with_file_name(RecordingKind::Run.file_name());
     let attached = match recording.attachment(name) {
         Some(text) => Some(text.to_owned()),

@@ -3,10 +3,10 @@
 use std::io;
 
 use super::contents::{RULES, is_of_a_run};
-use super::error::{self, RunError};
 use super::folder::RunFolder;
 use crate::agent::Knowledge;
 use crate::disk;
+use crate::error::Error;
 use crate::error::ErrorKind;
 use crate::record;
 use crate::trial::Plan;
@@ -17,7 +17,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// If the settings or the world differ from the checkpoint, or a foreign file would be replaced.
-    pub(super) fn check_untouched(&self, plan: &Plan) -> Result<(), RunError> {
+    pub(super) fn check_untouched(&self, plan: &Plan) -> Result<(), Error> {
         for (name, text) in Self::texts_of(plan) {
             let found = self.bytes_of(name)?;
             if found.is_some_and(|found| found != text.as_bytes()) {
@@ -43,7 +43,7 @@ impl RunFolder {
 
     /// Returns the first file that has the name of a result of this run but was not written by a
     /// run.
-    fn foreign_file(&self) -> Result<Option<String>, RunError> {
+    fn foreign_file(&self) -> Result<Option<String>, Error> {
         let rules = self.bytes_of(RULES)?;
         if rules.is_some_and(|text| serde_json::from_slice::<Knowledge>(&text).is_err()) {
             return Ok(Some(RULES.to_owned()));
@@ -51,7 +51,8 @@ impl RunFolder {
         for name in self.names()? {
             let path = self.path().join(&name);
             let is_written = is_of_a_run(&name) && name.ends_with(".mcap");
-            let is_ours = !is_written || record::is_ours(&path).map_err(error::read(&path))?;
+            let is_ours =
+                !is_written || record::is_ours(&path).map_err(disk::cannot_read(&path))?;
             if !is_ours {
                 return Ok(Some(name));
             }
@@ -59,12 +60,12 @@ impl RunFolder {
         Ok(None)
     }
 
-    fn bytes_of(&self, name: &str) -> Result<Option<Vec<u8>>, RunError> {
+    fn bytes_of(&self, name: &str) -> Result<Option<Vec<u8>>, Error> {
         let path = self.path().join(name);
         match disk::read(&path, disk::MOST_BYTES) {
             Ok(bytes) => Ok(Some(bytes)),
             Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(cause) => Err(error::read(&path)(cause)),
+            Err(cause) => Err(disk::cannot_read(&path)(cause)),
         }
     }
 }

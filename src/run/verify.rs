@@ -5,12 +5,13 @@ use std::io;
 
 use tempfile::TempDir;
 
-use super::error::{self, RunError};
+use super::error;
 use super::highlights::Material;
 use super::rerun::Rerun;
 use super::source::Source;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
+use crate::error::Error;
 use crate::record::{self, RecordMode, RecordingKind};
 
 /// A repeated run in a temporary folder, which is deleted with this value.
@@ -27,7 +28,7 @@ impl Again {
     ///
     /// # Errors
     /// If the settings or the world are invalid, or a file cannot be written.
-    pub fn new(source: &Source, observer: &mut dyn Observer) -> Result<Self, RunError> {
+    pub fn new(source: &Source, observer: &mut dyn Observer) -> Result<Self, Error> {
         Self::of(source.run.clone(), source.mode, observer)
     }
 
@@ -36,7 +37,7 @@ impl Again {
         run: Rerun,
         mode: RecordMode,
         observer: &mut dyn Observer,
-    ) -> Result<Self, RunError> {
+    ) -> Result<Self, Error> {
         let folder = tempfile::tempdir().map_err(error::temporary)?;
         Ok(Self {
             knowledge: run.record(folder.path(), mode, observer)?,
@@ -55,7 +56,7 @@ impl Again {
     ///
     /// # Errors
     /// If one of the two cannot be read.
-    pub fn difference(&self, source: &Source) -> Result<Option<String>, RunError> {
+    pub fn difference(&self, source: &Source) -> Result<Option<String>, Error> {
         let name = source.extent.file_name();
         let folder = self.folder.path();
         let bytes = match source.extent {

@@ -50,13 +50,3 @@ pub(super) fn io(path: &Path) -> impl Fn(io::Error) -> Error {
         ErrorKind::Io.error(format!("{path}: {cause}{hint}{again}"))
     }
 }
-
-/// Returns the conversion of an error when creating a folder or file.
-pub(super) fn create(path: &Path) -> impl Fn(io::Error) -> Error {
-    move |cause| {
-        let place = "; choose another folder with `--out`, or free this one";
-        let hint = disk::way_out_or(&cause, place);
-        let message = format!("cannot create {}: {cause}{hint}", path.display());
-        ErrorKind::CannotCreate.error(message)
-    }
-}

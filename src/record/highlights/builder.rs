@@ -8,7 +8,8 @@ use mcap::{McapError, McapResult};
 
 use super::retime::{Tempo, retimed};
 use super::segment::Segment;
-use crate::record::error::{self, RecordError};
+use crate::error::Error;
+use crate::record::error;
 use crate::record::info::{RecordingKind, RunInfo};
 use crate::record::layout;
 use crate::record::mode::RecordMode;
@@ -86,7 +87,7 @@ impl<'a> HighlightsBuilder<'a> {
     ///
     /// # Errors
     /// If the header cannot be encoded, which is not expected in memory.
-    pub fn new(run: ShownRun<'a>, curve: Vec<u8>) -> Result<Self, RecordError> {
+    pub fn new(run: ShownRun<'a>, curve: Vec<u8>) -> Result<Self, Error> {
         Ok(Self {
             log: create_log(&run).map_err(write_error)?,
             run,
@@ -101,7 +102,7 @@ impl<'a> HighlightsBuilder<'a> {
     ///
     /// # Errors
     /// If its recording is damaged.
-    pub fn segment(&mut self, segment: &Segment, episode: &Recording) -> Result<(), RecordError> {
+    pub fn segment(&mut self, segment: &Segment, episode: &Recording) -> Result<(), Error> {
         let figures = self.play(&segment.title(false), episode, segment.most_ns(), None)?;
         let arrows = match segment.changed {
             0 => "no arrow changed".to_owned(),
@@ -116,7 +117,7 @@ impl<'a> HighlightsBuilder<'a> {
     ///
     /// # Errors
     /// If its recording is damaged.
-    pub fn drive(&mut self, episodes: u32, drive: &Recording) -> Result<(), RecordError> {
+    pub fn drive(&mut self, episodes: u32, drive: &Recording) -> Result<(), Error> {
         let title = format!("After {episodes} episodes: greedy, exploration off");
         let figures = self.play(&title, drive, DRIVE_NS, Some(episodes))?;
         let fewest = match figures.shortest {
@@ -131,7 +132,7 @@ impl<'a> HighlightsBuilder<'a> {
     ///
     /// # Errors
     /// If the index cannot be encoded, which is not expected in memory.
-    pub fn finish(self) -> Result<Vec<u8>, RecordError> {
+    pub fn finish(self) -> Result<Vec<u8>, Error> {
         self.log.finish().map_err(write_error)
     }
 
@@ -139,7 +140,7 @@ impl<'a> HighlightsBuilder<'a> {
     ///
     /// # Errors
     /// If a message cannot be encoded, which is not expected in memory.
-    pub fn catch_up(&mut self, other: &mut Self) -> Result<(), RecordError> {
+    pub fn catch_up(&mut self, other: &mut Self) -> Result<(), Error> {
         let end_ns = self.now_ns.max(other.now_ns);
         for highlights in [self, other] {
             if highlights.now_ns < end_ns {
@@ -156,7 +157,7 @@ impl<'a> HighlightsBuilder<'a> {
         episode: &Recording,
         most_ns: u64,
         number: Option<u32>,
-    ) -> Result<Figures, RecordError> {
+    ) -> Result<Figures, Error> {
         let length = Length::of(episode)?;
         let tempo = Tempo {
             from_ns: length.from_ns,
@@ -222,7 +223,7 @@ impl<'a> HighlightsBuilder<'a> {
     }
 
     /// Shows the result of a segment while nothing moves.
-    fn close(&mut self, title: &str, remark: &str) -> Result<(), RecordError> {
+    fn close(&mut self, title: &str, remark: &str) -> Result<(), Error> {
         self.show_caption(title, remark)?;
         let line = log::segment(&format!("{title}: {remark}"), self.now_ns);
         self.write(self.now_ns, Topic::Log, &encoded(&line))?;
@@ -230,7 +231,7 @@ impl<'a> HighlightsBuilder<'a> {
     }
 
     /// Repeats the last poses of all frames until a time.
-    fn hold_until(&mut self, end_ns: u64) -> Result<(), RecordError> {
+    fn hold_until(&mut self, end_ns: u64) -> Result<(), Error> {
         let begin_ns = self.now_ns;
         let holds = (0..).map(|n| begin_ns + n * HOLD_NS);
         let holds = holds.take_while(|&at_ns| at_ns + INSTANT_NS < end_ns);
@@ -243,7 +244,7 @@ impl<'a> HighlightsBuilder<'a> {
     }
 
     /// Repeats the last poses of all frames once.
-    fn hold(&mut self, time_ns: u64) -> Result<(), RecordError> {
+    fn hold(&mut self, time_ns: u64) -> Result<(), Error> {
         let stay = |frame: &FrameTransform| FrameTransform {
             timestamp: Some(timestamp(time_ns)),
             ..frame.clone()
@@ -254,7 +255,7 @@ impl<'a> HighlightsBuilder<'a> {
         self.write(time_ns, Topic::Transforms, &encoded(&message))
     }
 
-    fn show_caption(&mut self, title: &str, remark: &str) -> Result<(), RecordError> {
+    fn show_caption(&mut self, title: &str, remark: &str) -> Result<(), Error> {
         let caption = Caption {
             title: title.to_owned(),
             remark: remark.to_owned(),
@@ -264,7 +265,7 @@ impl<'a> HighlightsBuilder<'a> {
         self.write(self.now_ns, Topic::Caption, &scene)
     }
 
-    fn write(&mut self, time_ns: u64, topic: Topic, data: &[u8]) -> Result<(), RecordError> {
+    fn write(&mut self, time_ns: u64, topic: Topic, data: &[u8]) -> Result<(), Error> {
         let written = self.log.message(topic, time_ns, data);
         written.map_err(write_error)
     }
@@ -288,7 +289,7 @@ struct Length {
 }
 
 impl Length {
-    fn of(episode: &Recording) -> Result<Self, RecordError> {
+    fn of(episode: &Recording) -> Result<Self, Error> {
         let (mut from_ns, mut to_ns) = (u64::MAX, 0);
         let mut messages = [0; Topic::ALL.len()];
         for message in episode.messages() {
@@ -325,6 +326,6 @@ fn result(figures: &Figures) -> String {
     format!("{how} after {steps} steps, {hits} collisions")
 }
 
-pub(super) fn write_error(cause: McapError) -> RecordError {
+pub(super) fn write_error(cause: McapError) -> Error {
     error::write(Path::new(&RecordingKind::Highlights.file_name()))(cause)
 }

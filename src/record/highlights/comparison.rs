@@ -6,7 +6,7 @@ use std::path::Path;
 use mcap::McapResult;
 
 use super::builder::{HighlightsBuilder, write_error};
-use crate::record::error::RecordError;
+use crate::error::Error;
 use crate::record::info::RecordingKind;
 use crate::record::layout::{self, SIDES};
 use crate::record::read::reader::Recording;
@@ -29,9 +29,7 @@ pub struct Comparison {
 ///
 /// # Errors
 /// If a recording cannot be read back or written, which is not expected in memory.
-pub fn compare_highlights(
-    highlights: [HighlightsBuilder<'_>; 2],
-) -> Result<Comparison, RecordError> {
+pub fn compare_highlights(highlights: [HighlightsBuilder<'_>; 2]) -> Result<Comparison, Error> {
     let [a, b] = &highlights;
     let headings = [a, b].map(|side| side.run.heading());
     let layout = layout::of_comparison([a.run.maze, b.run.maze], &headings);
@@ -64,7 +62,7 @@ fn create(highlights: &[HighlightsBuilder<'_>; 2], layout: &str) -> McapResult<L
 
 /// Reads a highlights recording from its packed bytes, so that its messages are never in memory all
 /// at once.
-fn read_again(highlights: HighlightsBuilder<'_>) -> Result<Recording, RecordError> {
+fn read_again(highlights: HighlightsBuilder<'_>) -> Result<Recording, Error> {
     Recording::from_bytes(
         Path::new(&RecordingKind::Highlights.file_name()),
         highlights.finish()?,
@@ -72,7 +70,7 @@ fn read_again(highlights: HighlightsBuilder<'_>) -> Result<Recording, RecordErro
 }
 
 /// Writes the messages of both sides in order of time; on ties the first side comes first.
-fn merge(sides: &[Recording; 2], log: &mut LogFile<Vec<u8>>) -> Result<(), RecordError> {
+fn merge(sides: &[Recording; 2], log: &mut LogFile<Vec<u8>>) -> Result<(), Error> {
     let [mut a, mut b] = sides.each_ref().map(|side| side.messages().peekable());
     loop {
         let side = match (a.peek(), b.peek()) {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use foxglove::messages::{Point3, SceneUpdate};
 
-use crate::record::error::RecordError;
+use crate::error::Error;
 use crate::record::read::reader::{Message, Recording};
 use crate::record::topics::episode::Figures;
 use crate::record::topics::policy::ARROW_CORNERS;
@@ -71,7 +71,7 @@ struct Ended {
 ///
 /// # Errors
 /// If the recording is damaged.
-pub fn segments(run: &Recording) -> Result<Vec<Segment>, RecordError> {
+pub fn segments(run: &Recording) -> Result<Vec<Segment>, Error> {
     let mut ended = Vec::new();
     let mut policy = Policy::default();
     for message in run.messages() {
@@ -105,7 +105,7 @@ struct Policy {
 }
 
 impl Policy {
-    fn see(&mut self, run: &Recording, message: &Message) -> Result<(), RecordError> {
+    fn see(&mut self, run: &Recording, message: &Message) -> Result<(), Error> {
         let scene: SceneUpdate = decoded(&message.data).map_err(|fault| run.damaged(fault))?;
         let lists = scene.entities.iter().flat_map(|entity| &entity.triangles);
         let arrows = lists.flat_map(|list| list.points.chunks_exact(ARROW_CORNERS));

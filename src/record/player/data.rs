@@ -6,13 +6,14 @@ use serde_json::{Map, Value, json};
 
 use super::episodes::PackedEpisode;
 use super::shapes::Scene;
+use crate::error::Error;
 use crate::picture::{NO_GOAL, SCALE, css};
 use crate::record::info;
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::percept::KINDS;
 use crate::record::topics::rays::BEAM;
 use crate::record::topics::{Caption, ESTIMATE, ROBOT, decimal, decoded, nanoseconds};
-use crate::record::{RecordError, RobotShape, Topic};
+use crate::record::{RobotShape, Topic};
 use crate::world::{Cell, Maze};
 use xcs::Action;
 
@@ -106,7 +107,7 @@ impl World {
 
 impl Data {
     /// Reads a recording of a run, an episode or highlights, or one side of a comparison.
-    pub fn of(recording: &Recording, side: Option<&str>) -> Result<Self, RecordError> {
+    pub fn of(recording: &Recording, side: Option<&str>) -> Result<Self, Error> {
         let below = side.map_or_else(String::new, |side| format!("{side}/"));
         let maze = world(recording, &below)?;
         let mut data = Self::empty(&maze, heading(recording, side.unwrap_or("run")), below);
@@ -280,7 +281,7 @@ impl Data {
 }
 
 /// Returns the world of a recording, or of the side of a comparison with this prefix.
-pub fn world(recording: &Recording, below: &str) -> Result<Maze, RecordError> {
+pub fn world(recording: &Recording, below: &str) -> Result<Maze, Error> {
     let name = format!("{below}world.json");
     let Some(world) = recording.attachment(&name) else {
         return Err(recording.damaged(format!("it has no attachment {name}")));

@@ -15,10 +15,11 @@ use std::path::PathBuf;
 
 use minijinja::{Environment, Value, context};
 
+use crate::error::Error;
 use crate::page::escaped;
+use crate::record::RecordingKind;
 use crate::record::layout::SIDES;
 use crate::record::reader::Recording;
-use crate::record::{RecordError, RecordingKind};
 use data::Data;
 pub use text::TextPlayer;
 
@@ -40,7 +41,7 @@ const SCRIPT: &str = concat!(
 ///
 /// # Errors
 /// If messages cannot be decoded or the world is missing.
-pub fn page(recording: &Recording) -> Result<String, RecordError> {
+pub fn page(recording: &Recording) -> Result<String, Error> {
     if recording.extent() != Some(RecordingKind::Comparison) {
         let data = Data::of(recording, None)?;
         return Ok(page_of(&data, data.heading()));

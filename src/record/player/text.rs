@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 use serde_json::Value;
 
 use super::data::{Data, Timed, world};
+use crate::error::Error;
+use crate::record::RecordingKind;
 use crate::record::reader::Recording;
-use crate::record::{RecordError, RecordingKind};
 use crate::world::{Cell, Maze};
 
 /// The least number of lines without the maze: the caption, five lines of the decision, and the time.
@@ -27,7 +28,7 @@ impl TextPlayer {
     /// # Errors
     /// If messages cannot be decoded, the world is missing, or the
     /// recording shows two runs.
-    pub fn of(recording: &Recording) -> Result<Self, RecordError> {
+    pub fn of(recording: &Recording) -> Result<Self, Error> {
         if recording.extent() == Some(RecordingKind::Comparison) {
             let cause = "it compares two runs; give a recording of one of them";
             return Err(recording.damaged(cause.to_owned()));

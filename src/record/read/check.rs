@@ -6,7 +6,8 @@ use std::path::Path;
 
 use super::reader::{Message, Recording};
 use crate::disk;
-use crate::record::error::{self, RecordError};
+use crate::error::Error;
+use crate::record::error;
 use crate::record::info::RecordingKind;
 use crate::record::json::json_tree;
 use crate::record::layout;
@@ -66,8 +67,8 @@ impl fmt::Display for Finding {
 ///
 /// # Errors
 /// If the file cannot be read. Faults inside the file are findings.
-pub fn check(path: &Path) -> Result<Vec<Finding>, RecordError> {
-    let bytes = disk::read(path, disk::MOST_BYTES).map_err(error::read(path))?;
+pub fn check(path: &Path) -> Result<Vec<Finding>, Error> {
+    let bytes = disk::read(path, disk::MOST_BYTES).map_err(disk::cannot_read(path))?;
     match Recording::from_bytes(path, bytes) {
         Ok(recording) => Ok(recording.check()),
         // Omits the error's advice to run this command.

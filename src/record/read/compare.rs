@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::reader::{Message, Recording};
-use crate::record::error::RecordError;
+use crate::error::Error;
 
 /// Describes a difference at a time, in nanoseconds of simulation time; 0 outside of messages.
 /// `topic` is the topic, or `attachment NAME`, `metadata` or `file` outside of messages. `field` is
@@ -20,7 +20,7 @@ fn difference(time_ns: u64, topic: &str, field: &str, [first, second]: [String; 
 ///
 /// # Errors
 /// If either recording is invalid.
-pub fn compare(first: &[u8], second: &[u8]) -> Result<Option<String>, RecordError> {
+pub fn compare(first: &[u8], second: &[u8]) -> Result<Option<String>, Error> {
     if first == second {
         return Ok(None);
     }
@@ -56,7 +56,7 @@ fn facts(a: &Recording, b: &Recording) -> Option<String> {
     ))
 }
 
-fn messages(a: &Recording, b: &Recording) -> Result<Option<String>, RecordError> {
+fn messages(a: &Recording, b: &Recording) -> Result<Option<String>, Error> {
     let (mut left, mut right) = (a.messages(), b.messages());
     loop {
         match (left.next().transpose()?, right.next().transpose()?) {

@@ -12,8 +12,9 @@ use serde::Serialize;
 
 use super::records::{Records, for_each_record, unpacked_size};
 use crate::disk;
+use crate::error::Error;
 use crate::error::ErrorKind;
-use crate::record::error::{self, RecordError};
+use crate::record::error;
 use crate::record::info::{KIND, RecordingKind, RunKind};
 use crate::record::json::json_tree;
 use crate::record::resume_hint::way_to_resume;
@@ -90,8 +91,8 @@ impl Recording {
     ///
     /// # Errors
     /// If the file cannot be read; otherwise as for [`Self::from_bytes`].
-    pub fn open(path: &Path) -> Result<Self, RecordError> {
-        let bytes = disk::read(path, disk::MOST_BYTES).map_err(error::read(path))?;
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let bytes = disk::read(path, disk::MOST_BYTES).map_err(disk::cannot_read(path))?;
         let folder = path.parent().filter(|_| is_unfinished(path));
         match folder.and_then(way_to_resume) {
             Some(hint) => {
@@ -109,7 +110,7 @@ impl Recording {
     /// # Errors
     /// If the name ends with `.part`, the bytes are not an MCAP file, the file is incomplete, or a
     /// checksum is wrong.
-    pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, RecordError> {
+    pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, Error> {
         if is_unfinished(path) {
             let message = format!(
                 "this recording was never finished, so viewers cannot open it; recover it with \
@@ -175,7 +176,7 @@ impl Recording {
     }
 
     /// Returns the error that the recording is damaged, with this cause.
-    pub(in crate::record) fn damaged(&self, cause: String) -> RecordError {
+    pub(in crate::record) fn damaged(&self, cause: String) -> Error {
         error::damaged(&self.path)(cause)
     }
 
@@ -208,7 +209,7 @@ impl Recording {
     }
 
     /// Returns all messages in the order of the file, which is the order of time.
-    pub fn messages(&self) -> impl Iterator<Item = Result<Message, RecordError>> + '_ {
+    pub fn messages(&self) -> impl Iterator<Item = Result<Message, Error>> + '_ {
         let (stream, failed) = match MessageStream::new(&self.bytes) {
             Ok(stream) => (Some(stream), None),
             Err(error) => (None, Some(Err(error))),
@@ -277,7 +278,7 @@ fn is_unfinished(path: &Path) -> bool {
 }
 
 /// Rejects a file that unpacks to far more bytes than its size, before unpacking any of it.
-fn check_unpacked(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
+fn check_unpacked(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let most = disk::most_unpacked(bytes.len() as u64);
     let sizes = Records::of(bytes).filter_map(|(_, opcode, body)| unpacked_size(opcode, body));
     let unpacked = sizes.fold(0, u64::saturating_add);

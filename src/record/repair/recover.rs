@@ -8,8 +8,9 @@ use mcap::{MAGIC, McapError, McapResult};
 
 use super::records::{Recovery, copy_records};
 use crate::disk;
+use crate::error::Error;
 use crate::error::ErrorKind;
-use crate::record::error::{self, RecordError};
+use crate::record::error;
 use crate::record::read::reader::Recording;
 
 /// Copies all complete records of `input` to a complete recording `output`. The recording is read
@@ -17,13 +18,13 @@ use crate::record::read::reader::Recording;
 ///
 /// # Errors
 /// If `input` cannot be read or is not an MCAP file, or `output` cannot be written or read back.
-pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, RecordError> {
-    let bytes = disk::read(input, disk::MOST_BYTES).map_err(error::read(input))?;
-    refuse(input, output, force).map_err(error::create(output))?;
+pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, Error> {
+    let bytes = disk::read(input, disk::MOST_BYTES).map_err(disk::cannot_read(input))?;
+    refuse(input, output, force).map_err(disk::cannot_create(output))?;
     if !bytes.starts_with(MAGIC) {
         return Err(error::foreign(input, &bytes));
     }
-    let temporary = disk::aside(output).map_err(error::create(output))?;
+    let temporary = disk::aside(output).map_err(disk::cannot_create(output))?;
     let unwritable = |cause: McapError| {
         let (cause, path) = (error::explained(&cause), output.display());
         let message = format!("cannot write the recovered recording: {cause}: {path}");
@@ -55,7 +56,7 @@ fn write(bytes: &[u8], temporary: &File) -> McapResult<Recovery> {
 }
 
 /// Checks that the new file can be read and has all recovered messages.
-fn verify(path: &Path, recovery: &Recovery) -> Result<(), RecordError> {
+fn verify(path: &Path, recovery: &Recovery) -> Result<(), Error> {
     let recording = Recording::open(path)?;
     let mut messages = 0;
     for message in recording.messages() {

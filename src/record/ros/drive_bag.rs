@@ -15,7 +15,8 @@ use super::topics::Topic;
 use super::writer::{ENCAPSULATION, RosWriter, encoded};
 use crate::disk;
 use crate::drive::{DriverStep, Fault, Readings};
-use crate::record::error::{self, RecordError};
+use crate::error::Error;
+use crate::record::error;
 use crate::world::Maze;
 
 /// The topics of the file.
@@ -49,17 +50,12 @@ impl DriveBag {
     ///
     /// # Errors
     /// Returns an error if the file cannot be written, or exists and must not be replaced.
-    pub fn create(
-        path: &Path,
-        replace: bool,
-        maze: &Maze,
-        time_ns: u64,
-    ) -> Result<Self, RecordError> {
+    pub fn create(path: &Path, replace: bool, maze: &Maze, time_ns: u64) -> Result<Self, Error> {
         let mut options = OpenOptions::new();
         options.write(true).truncate(replace).create(replace);
         let file = disk::require_free(path, replace)
             .and_then(|()| options.create_new(!replace).open(path))
-            .map_err(error::create(path))?;
+            .map_err(disk::cannot_create(path))?;
         let file = BufWriter::new(file);
         let mut bag = Self {
             path: path.to_owned(),
@@ -80,7 +76,7 @@ impl DriveBag {
         time_ns: u64,
         readings: &Readings,
         step: &DriverStep,
-    ) -> Result<(), RecordError> {
+    ) -> Result<(), Error> {
         if let Some(clock_ns) = readings
             .clock_ns
             .filter(|_| self.clock_ns != readings.clock_ns)
@@ -119,12 +115,7 @@ impl DriveBag {
         Ok(())
     }
 
-    fn write(
-        &mut self,
-        topic: Topic,
-        time_ns: u64,
-        message: &impl Serialize,
-    ) -> Result<(), RecordError> {
+    fn write(&mut self, topic: Topic, time_ns: u64, message: &impl Serialize) -> Result<(), Error> {
         let message = encoded(message).map_err(|cause| error::unwritten(&self.path, cause))?;
         let written = self.writer.write(topic, time_ns, &message);
         written.map_err(error::write(&self.path))
@@ -134,7 +125,7 @@ impl DriveBag {
     ///
     /// # Errors
     /// Returns an error if the disk is full or fails.
-    pub fn finish(self) -> Result<(), RecordError> {
+    pub fn finish(self) -> Result<(), Error> {
         let ended = self.writer.finish().map(drop);
         ended.map_err(error::write(&self.path))
     }
@@ -156,8 +147,8 @@ impl DriveRecording {
     /// # Errors
     /// Returns an error if the file cannot be read, is damaged, or has other message types under
     /// these names.
-    pub fn read(path: &Path) -> Result<Self, RecordError> {
-        let bytes = disk::read(path, disk::MOST_BYTES).map_err(error::read(path))?;
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let bytes = disk::read(path, disk::MOST_BYTES).map_err(disk::cannot_read(path))?;
         if !bytes.starts_with(mcap::MAGIC) {
             return Err(error::foreign(path, &bytes));
         }

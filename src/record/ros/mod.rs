@@ -21,7 +21,8 @@ use serde::Serialize;
 
 use crate::arena::{Estimate, LidarParams, Sample, View};
 use crate::episode::{Episode, Learned, Observer, Step};
-use crate::record::error::{self, RecordError};
+use crate::error::Error;
+use crate::record::error;
 use dead_reckoning::DeadReckoning;
 pub(crate) use dead_reckoning::rolled;
 pub use drive_bag::{DriveBag, DriveRecording};
@@ -44,7 +45,7 @@ const TOPICS: [Topic; 7] = [
     Topic::GroundTruth,
 ];
 
-fn write_error(cause: McapError) -> RecordError {
+fn write_error(cause: McapError) -> Error {
     error::write(Path::new("the recording for ROS 2"))(cause)
 }
 
@@ -73,7 +74,7 @@ impl RosBag {
         only: Option<u32>,
         wheel_base_m: Option<f64>,
         lidar: LidarParams,
-    ) -> Result<Self, RecordError> {
+    ) -> Result<Self, Error> {
         let writer = RosWriter::begin(Cursor::new(Vec::new()), &TOPICS);
         Ok(Self {
             writer: writer.map_err(write_error)?,
@@ -91,7 +92,7 @@ impl RosBag {
     ///
     /// # Errors
     /// The first error that occurred while writing.
-    pub fn finish(self) -> Result<Vec<u8>, RecordError> {
+    pub fn finish(self) -> Result<Vec<u8>, Error> {
         if let Some(fault) = self.fault {
             return Err(write_error(fault));
         }

@@ -10,7 +10,8 @@ use mcap::{Attachment, McapError, McapResult};
 
 use super::sink::{self, Packing, Sink};
 use crate::disk;
-use crate::record::error::{self, RecordError};
+use crate::error::Error;
+use crate::record::error;
 use crate::record::info::{RecordingKind, RunInfo};
 use crate::record::layout::SIDES;
 use crate::record::mode::RecordMode;
@@ -160,14 +161,14 @@ impl OpenFile {
         name: &str,
         extension: &str,
         packing: Packing,
-    ) -> Result<Self, RecordError> {
+    ) -> Result<Self, Error> {
         let path = folder.join(name);
         let part = folder.join(format!("{name}.{extension}"));
         let created = disk::create(&part).and_then(|file| Ok((file.try_clone()?, file)));
         let (disk, file) = created.map_err(|cause| match cause.kind() {
             // The folder existed when the recorder began.
             io::ErrorKind::NotFound => error::write(&part)(cause),
-            _ => error::create(&part)(cause),
+            _ => disk::cannot_create(&part)(cause),
         })?;
         let log = LogFile::new(BufWriter::with_capacity(64 * 1024, file), packing);
         Ok(Self {
@@ -179,13 +180,13 @@ impl OpenFile {
     }
 
     /// Syncs the flushed data to disk.
-    pub fn sync(&self) -> Result<(), RecordError> {
+    pub fn sync(&self) -> Result<(), Error> {
         let synced = self.disk.sync_data();
         synced.map_err(error::write(&self.part))
     }
 
     /// Replaces `folder/name.part` with this file.
-    pub fn become_part(&mut self) -> Result<(), RecordError> {
+    pub fn become_part(&mut self) -> Result<(), Error> {
         self.sync()?;
         let part = disk::part(&self.path);
         disk::rename(&self.part, &part).map_err(error::write(&self.part))?;
@@ -202,13 +203,13 @@ impl OpenFile {
     pub fn with(
         &mut self,
         act: impl FnOnce(&mut LogFile<BufWriter<File>>) -> McapResult<()>,
-    ) -> Result<(), RecordError> {
+    ) -> Result<(), Error> {
         act(&mut self.log).map_err(error::write(&self.part))
     }
 
     /// Finishes the file, syncs it to disk and gives it its name. Returns the path and the size in
     /// bytes.
-    pub fn finish(self) -> Result<(PathBuf, u64), RecordError> {
+    pub fn finish(self) -> Result<(PathBuf, u64), Error> {
         let Self {
             log, path, part, ..
         } = self;
@@ -226,7 +227,7 @@ impl OpenFile {
     }
 
     /// Deletes the unfinished file.
-    pub fn discard(self) -> Result<(), RecordError> {
+    pub fn discard(self) -> Result<(), Error> {
         let Self { log, part, .. } = self;
         drop(log);
         fs::remove_file(&part).map_err(error::write(&part))

@@ -4,7 +4,7 @@ use foxglove::Encode;
 use serde::Serialize;
 
 use super::log_file::OpenFile;
-use crate::record::error::RecordError;
+use crate::error::Error;
 use crate::record::topics::Topic;
 
 /// The open files that a message is written to.
@@ -39,7 +39,7 @@ impl Outbox {
         topic: Topic,
         time_ns: u64,
         message: &impl Encode,
-    ) -> Result<(), RecordError> {
+    ) -> Result<(), Error> {
         self.scratch.clear();
         message
             .encode(&mut self.scratch)
@@ -54,14 +54,14 @@ impl Outbox {
         topic: Topic,
         time_ns: u64,
         message: &impl Serialize,
-    ) -> Result<(), RecordError> {
+    ) -> Result<(), Error> {
         self.scratch.clear();
         serde_json::to_writer(&mut self.scratch, message)
             .expect("our messages have text keys and a vector has room");
         self.deliver(to, topic, time_ns)
     }
 
-    fn deliver(&mut self, to: For, topic: Topic, time_ns: u64) -> Result<(), RecordError> {
+    fn deliver(&mut self, to: For, topic: Topic, time_ns: u64) -> Result<(), Error> {
         if let Some(tap) = self.tap.as_mut().filter(|_| to != For::Run) {
             tap(topic, time_ns, &self.scratch);
         }

@@ -11,7 +11,8 @@ use mcap::sans_io::linear_reader::LinearReaderOptions;
 
 use super::log_file::OpenFile;
 use crate::disk;
-use crate::record::error::{self, RecordError};
+use crate::error::Error;
+use crate::record::error;
 use crate::record::read::records::for_each_record;
 use crate::record::topics::Topic;
 
@@ -30,8 +31,8 @@ pub fn copy(
     messages: u64,
     chunks: Chunks,
     file: &mut OpenFile,
-) -> Result<(), RecordError> {
-    let unreadable = error::read(source);
+) -> Result<(), Error> {
+    let unreadable = disk::cannot_read(source);
     let fault = |cause| match cause {
         McapError::Io(cause) => unreadable(cause),
         cause => error::damaged(source)(cause),

@@ -15,7 +15,8 @@ use crate::agent::Agent;
 use crate::arena::View;
 use crate::disk;
 use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
-use crate::record::error::{self, RecordError};
+use crate::error::Error;
+use crate::record::error;
 use crate::record::info::{RecordingKind, RunInfo};
 use crate::record::layout;
 use crate::record::mode::RecordMode;
@@ -49,7 +50,7 @@ pub struct Recorder {
     memory: RecorderMemory,
     /// Name and text of an additional attachment of `run.mcap`.
     attached: Option<(&'static str, String)>,
-    error: Option<RecordError>,
+    error: Option<Error>,
 }
 
 /// A recorder's checkpoint between two episodes, in addition to the files on disk.
@@ -96,7 +97,7 @@ impl Recorder {
         maze: &Maze,
         info: RunInfo,
         mode: RecordMode,
-    ) -> Result<Self, RecordError> {
+    ) -> Result<Self, Error> {
         let mut recorder = Self::new(folder, maze, info, RecorderMemory::new(mode));
         if mode != RecordMode::None {
             recorder.lay_out()?;
@@ -117,7 +118,7 @@ impl Recorder {
         info: RunInfo,
         memory: RecorderMemory,
         learned: PolicyMap,
-    ) -> Result<Self, RecordError> {
+    ) -> Result<Self, Error> {
         if memory.mode == RecordMode::None || memory.messages == 0 {
             return Self::create(folder, maze, info, memory.mode);
         }
@@ -131,14 +132,14 @@ impl Recorder {
 
     /// Rebuilds `run.mcap.part` with its first `messages` messages. If the run was stopped in its
     /// last steps, the file may already have its final name.
-    fn rebuilt_run(&self, messages: u64) -> Result<OpenFile, RecordError> {
+    fn rebuilt_run(&self, messages: u64) -> Result<OpenFile, Error> {
         let whole = self.path(RecordingKind::Run);
         let part = disk::part(&whole);
         let is_whole = whole.exists() && !part.exists();
         let source = if is_whole { whole } else { part };
         // Check this first, so that a missing recording leaves the folder unchanged.
         let opened = disk::open(&source).map(drop);
-        opened.map_err(error::read(&source))?;
+        opened.map_err(disk::cannot_read(&source))?;
         // Write a separate file, so that nothing is lost if this is stopped, too.
         let mut run = self.open_run("again", Packing::Quick)?;
         rebuild::copy(&source, messages, Chunks::AsBefore, &mut run)?;
@@ -180,7 +181,7 @@ impl Recorder {
     ///
     /// # Errors
     /// The first error of the whole recording.
-    pub fn memory(&mut self) -> Result<RecorderMemory, RecordError> {
+    pub fn memory(&mut self) -> Result<RecorderMemory, Error> {
         if let Some(error) = self.error.take() {
             return Err(error);
         }
@@ -202,7 +203,7 @@ impl Recorder {
     ///
     /// # Errors
     /// The first error of the whole recording. Unfinished files keep the extension `.part`.
-    pub fn finish(mut self, method: &dyn Agent) -> Result<RecordSummary, RecordError> {
+    pub fn finish(mut self, method: &dyn Agent) -> Result<RecordSummary, Error> {
         if let Some(error) = self.error.take() {
             return Err(error);
         }
@@ -221,7 +222,7 @@ impl Recorder {
 
     /// Finishes `run.mcap` in fewer bytes. While the file grew, each episode closed a chunk to be
     /// safe. In the complete file, similar episodes share a chunk.
-    fn pack(&self, mut run: OpenFile, rules: &str) -> Result<(PathBuf, u64), RecordError> {
+    fn pack(&self, mut run: OpenFile, rules: &str) -> Result<(PathBuf, u64), Error> {
         run.with(|log| log.flush())?;
         let part = disk::part(&self.path(RecordingKind::Run));
         let mut packed = self.open_run("again", Packing::Small)?;
@@ -240,17 +241,17 @@ impl Recorder {
     }
 
     /// Creates the folder and writes both layouts.
-    fn lay_out(&self) -> Result<(), RecordError> {
-        fs::create_dir_all(&self.folder).map_err(error::create(&self.folder))?;
+    fn lay_out(&self) -> Result<(), Error> {
+        fs::create_dir_all(&self.folder).map_err(disk::cannot_create(&self.folder))?;
         let names = ["foxglove-layout.json", "foxglove-layout-run.json"];
         for (name, text) in names.into_iter().zip(&self.layouts) {
             let path = self.folder.join(name);
-            disk::replace(&path, text.as_bytes()).map_err(error::create(&path))?;
+            disk::replace(&path, text.as_bytes()).map_err(disk::cannot_create(&path))?;
         }
         Ok(())
     }
 
-    fn open_run(&self, extension: &str, packing: Packing) -> Result<OpenFile, RecordError> {
+    fn open_run(&self, extension: &str, packing: Packing) -> Result<OpenFile, Error> {
         let name = RecordingKind::Run.file_name();
         let file = OpenFile::create(&self.folder, &name, extension, packing)?;
         self.introduce(file, RecordingKind::Run, &Topic::of_run())
@@ -262,7 +263,7 @@ impl Recorder {
         mut file: OpenFile,
         kind: RecordingKind,
         topics: &[Topic],
-    ) -> Result<OpenFile, RecordError> {
+    ) -> Result<OpenFile, Error> {
         let facts = Facts {
             info: &self.info,
             world: &self.world,
@@ -281,7 +282,7 @@ impl Recorder {
         Ok(file)
     }
 
-    fn begin(&mut self, episode: u32, view: &View<'_>) -> Result<(), RecordError> {
+    fn begin(&mut self, episode: u32, view: &View<'_>) -> Result<(), Error> {
         self.memory.clock_ns = view.now().time_ns;
         if self.memory.mode.wants(episode) {
             let kind = RecordingKind::Episode(episode);
@@ -294,7 +295,7 @@ impl Recorder {
         self.event_logger.began(&mut self.outbox, episode, view)
     }
 
-    fn end(&mut self, episode: &Episode, learned: &Learned<'_>) -> Result<(), RecordError> {
+    fn end(&mut self, episode: &Episode, learned: &Learned<'_>) -> Result<(), Error> {
         self.memory.clock_ns = learned.view.now().time_ns;
         self.event_logger
             .ended(&mut self.outbox, episode, learned)?;
@@ -313,7 +314,7 @@ impl Recorder {
         mut file: OpenFile,
         episode: &Episode,
         method: &dyn Agent,
-    ) -> Result<(), RecordError> {
+    ) -> Result<(), Error> {
         if self.memory.mode == RecordMode::Best {
             let is_best = self.memory.best.is_none_or(|best| episode.steps < best);
             if episode.ending != Ending::Goal || !is_best {
@@ -331,7 +332,7 @@ impl Recorder {
         Ok(())
     }
 
-    fn drop_kept(&mut self) -> Result<(), RecordError> {
+    fn drop_kept(&mut self) -> Result<(), Error> {
         for (episode, _) in std::mem::take(&mut self.memory.kept) {
             let path = self.path(RecordingKind::Episode(episode));
             // The file is already gone when this episode is repeated.
@@ -341,7 +342,7 @@ impl Recorder {
     }
 
     /// Runs an action unless there was an error; stores the first error.
-    fn attempt(&mut self, act: impl FnOnce(&mut Self) -> Result<(), RecordError>) {
+    fn attempt(&mut self, act: impl FnOnce(&mut Self) -> Result<(), Error>) {
         let has_receiver = self.memory.mode != RecordMode::None || self.outbox.tap.is_some();
         if self.error.is_none() && has_receiver {
             self.error = act(self).err();

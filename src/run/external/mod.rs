@@ -13,11 +13,12 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::error::{self, RunError};
+use super::error;
 use super::facts::run_info;
 use crate::agent::{Explorer, Knowledge};
 use crate::arena::{Arena, ArenaKind, Lasting, PhysicsArena, Sample, WheelDrive};
 use crate::episode;
+use crate::error::Error;
 use crate::record::{RecordMode, RecordSummary, Recorder, RunInfo, RunKind};
 use crate::streams::StreamName;
 use crate::trial::Plan;
@@ -123,7 +124,7 @@ impl ExternalRecorder {
     ///
     /// # Errors
     /// If the plan is invalid, the folder contains files, or a file cannot be written.
-    pub fn create(folder: &Path, plan: &Plan, mode: RecordMode) -> Result<Self, RunError> {
+    pub fn create(folder: &Path, plan: &Plan, mode: RecordMode) -> Result<Self, Error> {
         let plan = plan.clone().settled();
         plan.check()?;
         require_empty(folder)?;
@@ -145,7 +146,7 @@ impl ExternalRecorder {
     ///
     /// # Errors
     /// If the episode is impossible in this world, or a file cannot be written.
-    pub fn record(&mut self, episode: ExternalEpisode) -> Result<Sample, RunError> {
+    pub fn record(&mut self, episode: ExternalEpisode) -> Result<Sample, Error> {
         let number = self.episodes.len() + 1;
         let fault =
             |fault: String| error::recording(&self.folder, format!("episode {number}: {fault}"));
@@ -226,7 +227,7 @@ impl ExternalRecorder {
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub fn finish(mut self) -> Result<RecordSummary, RunError> {
+    pub fn finish(mut self) -> Result<RecordSummary, Error> {
         let text = serde_json::to_string(&self.episodes).expect("plain data becomes JSON");
         self.recorder.attach(EXTERNAL_EPISODES, text);
         let nothing = ExternalEpisode::default();
@@ -241,7 +242,7 @@ pub(super) fn record_external(
     episodes: &[ExternalEpisode],
     folder: &Path,
     mode: RecordMode,
-) -> Result<Knowledge, RunError> {
+) -> Result<Knowledge, Error> {
     let mut recorder = ExternalRecorder::create(folder, plan, mode)?;
     for episode in episodes {
         recorder.record(episode.clone())?;
@@ -265,7 +266,7 @@ fn lidar_cycle_ns(plan: &Plan) -> u64 {
     STEPS_PER_S * PER_HZ / common * STEP_NS
 }
 
-fn require_empty(folder: &Path) -> Result<(), RunError> {
+fn require_empty(folder: &Path) -> Result<(), Error> {
     let fault = |fault: String| error::recording(folder, fault);
     match fs::read_dir(folder) {
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(()),

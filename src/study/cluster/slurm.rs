@@ -117,7 +117,7 @@ impl Slurm {
         require_folder(&planned.path().join(FOLDER))?;
         scripts.iter().try_for_each(|(path, _)| require_own(path))?;
         let logs = planned.path().join(FOLDER).join("logs");
-        fs::create_dir_all(&logs).map_err(error::create(&logs))?;
+        fs::create_dir_all(&logs).map_err(disk::cannot_create(&logs))?;
         for (path, text) in scripts {
             disk::replace(&path, text.as_bytes()).map_err(error::io(&path))?;
         }
@@ -217,7 +217,7 @@ fn require_folder(path: &Path) -> Result<(), Error> {
     match fs::symlink_metadata(path) {
         Ok(found) if found.is_symlink() => {
             let cause = io::Error::other("it is a symbolic link; replace it with a folder");
-            Err(error::create(path)(cause))
+            Err(disk::cannot_create(path)(cause))
         }
         _ => Ok(()),
     }

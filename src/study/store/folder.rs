@@ -253,7 +253,7 @@ impl StudyFolder {
 
 /// Locks a folder, and removes the temporary files that a killed process left in it.
 fn lock(folder: &Path) -> Result<FolderLock, Error> {
-    let lock = FolderLock::acquire(folder, error::create(&folder.join(LOCK)))?;
+    let lock = FolderLock::acquire(folder, disk::cannot_create(&folder.join(LOCK)))?;
     let is_ours = |name: &str| name == PLAN || is_output(name);
     disk::remove_leftovers(folder, is_ours).map_err(error::io(folder))?;
     Ok(lock)

@@ -139,7 +139,7 @@ impl PlannedStudy {
     pub fn make(&self) -> Result<(), Error> {
         require_own(&self.path)?;
         let journals = self.path.join(JOURNALS);
-        fs::create_dir_all(&journals).map_err(error::create(&journals))?;
+        fs::create_dir_all(&journals).map_err(disk::cannot_create(&journals))?;
         if !Self::is_in(&self.path) {
             self.write(false)?;
         }
@@ -249,7 +249,7 @@ pub fn names(folder: &Path) -> Result<Vec<OsString>, Error> {
     });
     match names {
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
-        names => names.map_err(error::create(folder)),
+        names => names.map_err(disk::cannot_create(folder)),
     }
 }
 

@@ -99,7 +99,7 @@ impl Tuning {
     /// When the folder contains another search or other files, or on an error of the file system.
     pub fn stage(&self) -> Result<Stage, Error> {
         self.require_own_folder()?;
-        fs::create_dir_all(&self.path).map_err(error::create(&self.path))?;
+        fs::create_dir_all(&self.path).map_err(disk::cannot_create(&self.path))?;
         let mut rungs: Vec<Rung> = Vec::new();
         let (mut left, mut studies) = (self.candidates.clone(), Vec::new());
         while rungs.len() < self.rungs() && left.len() > 1 {

@@ -9,7 +9,7 @@ use super::trajectory::Trajectory;
 use crate::agent::Agent;
 use crate::arena::View;
 use crate::episode::{Episode, Learned, PolicyMap};
-use crate::record::error::RecordError;
+use crate::error::Error;
 use crate::record::info::{RobotShape, RunInfo, RunKind};
 use crate::record::topics::caption::Caption;
 use crate::record::topics::curve::Curve;
@@ -148,12 +148,7 @@ impl EventLogger {
     }
 
     /// Logs the start of an episode, with everything that a viewer needs for its first picture.
-    pub fn began(
-        &mut self,
-        out: &mut Outbox,
-        episode: u32,
-        view: &View<'_>,
-    ) -> Result<(), RecordError> {
+    pub fn began(&mut self, out: &mut Outbox, episode: u32, view: &View<'_>) -> Result<(), Error> {
         let now = view.now();
         let time_ns = now.time_ns;
         self.decided_ns = time_ns;
@@ -195,7 +190,7 @@ impl EventLogger {
         out: &mut Outbox,
         view: &View<'_>,
         time_ns: u64,
-    ) -> Result<(), RecordError> {
+    ) -> Result<(), Error> {
         let maze = maze::scene(view.maze, time_ns);
         let shown = std::mem::replace(&mut self.maze_shown, true);
         let to = if shown { For::Episode } else { For::Both };
@@ -212,7 +207,7 @@ impl EventLogger {
         out: &mut Outbox,
         episode: &Episode,
         learned: &Learned<'_>,
-    ) -> Result<(), RecordError> {
+    ) -> Result<(), Error> {
         let maze = learned.view.maze;
         let time_ns = learned.view.now().time_ns;
         let policy = PolicyMap::of(learned.method, learned.sensor, maze);
@@ -267,7 +262,7 @@ impl EventLogger {
         }
     }
 
-    fn show_trail(&self, out: &mut Outbox, to: For, time_ns: u64) -> Result<(), RecordError> {
+    fn show_trail(&self, out: &mut Outbox, to: For, time_ns: u64) -> Result<(), Error> {
         out.send(to, Topic::Trail, time_ns, &self.trail.scene(time_ns))
     }
 
@@ -278,7 +273,7 @@ impl EventLogger {
         to: For,
         maze: &Maze,
         time_ns: u64,
-    ) -> Result<(), RecordError> {
+    ) -> Result<(), Error> {
         let (policy, shown) = (self.policy.as_ref(), self.shown.of(to));
         if let Some(marks) = news(&mut shown.marks, policy::marks(policy, maze)) {
             let scene = policy::scene(marks, maze, time_ns);
@@ -298,7 +293,7 @@ impl EventLogger {
         to: For,
         maze: &Maze,
         time_ns: u64,
-    ) -> Result<(), RecordError> {
+    ) -> Result<(), Error> {
         let columns = policy::columns(self.policy.as_ref(), maze);
         let shown = self.shown.of(to);
         match news(&mut shown.columns, columns) {

@@ -5,7 +5,7 @@ use foxglove::messages::LaserScan;
 use super::EventLogger;
 use crate::arena::{Contact, Estimate, Sample, View};
 use crate::episode::{PolicyMap, Step};
-use crate::record::error::RecordError;
+use crate::error::Error;
 use crate::record::topics::rule::Reasons;
 use crate::record::topics::{Topic, contact, estimate, log, percept, policy, rays, scan, step};
 use crate::record::write::outbox::{For, Outbox};
@@ -21,7 +21,7 @@ enum Event<'a> {
 
 impl EventLogger {
     /// Logs a step.
-    pub fn stepped(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
+    pub fn stepped(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), Error> {
         let end_ns = step.view.now().time_ns;
         let reasons = Reasons::of(step, self.sensor);
         let rule = reasons.record(step, self.sensor, self.goal);
@@ -61,7 +61,7 @@ impl EventLogger {
         out: &mut Outbox,
         step: &Step<'_>,
         time_ns: u64,
-    ) -> Result<(), RecordError> {
+    ) -> Result<(), Error> {
         let has_receiver = out.episode.is_some() || out.tap.is_some();
         let Some(interval) = self.query_interval.filter(|_| has_receiver) else {
             return Ok(());
@@ -80,7 +80,7 @@ impl EventLogger {
     }
 
     /// Logs the trajectory of a step: poses, scans and hits, in order of time.
-    fn moved(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
+    fn moved(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), Error> {
         self.trajectory.follow(step.view.trace);
         let segments = self.trajectory.segments().into_iter();
         let poses = segments.map(|segment| (segment[0].time_ns, Event::Poses(segment)));
@@ -120,7 +120,7 @@ impl EventLogger {
         step: &Step<'_>,
         number: usize,
         hit: &Contact,
-    ) -> Result<(), RecordError> {
+    ) -> Result<(), Error> {
         let record = contact::hit(step.episode, step.step, hit);
         out.send_json(For::Episode, Topic::Contact, hit.time_ns, &record)?;
         match number {
@@ -129,7 +129,7 @@ impl EventLogger {
         }
     }
 
-    fn warn(&self, out: &mut Outbox, step: &Step<'_>, time_ns: u64) -> Result<(), RecordError> {
+    fn warn(&self, out: &mut Outbox, step: &Step<'_>, time_ns: u64) -> Result<(), Error> {
         match log::collision(step, time_ns) {
             Some(warning) => out.send(For::Both, Topic::Log, time_ns, &warning),
             None => Ok(()),
@@ -143,7 +143,7 @@ impl EventLogger {
         episode: u32,
         step: u32,
         view: &View<'_>,
-    ) -> Result<(), RecordError> {
+    ) -> Result<(), Error> {
         let (now, sensed) = (view.now(), view.sensed.as_ref());
         let Some(sensed) = sensed else {
             return Ok(());
@@ -158,7 +158,7 @@ impl EventLogger {
     }
 
     /// Logs the percept at the last decision and the estimated pose.
-    pub(super) fn show_percept(&self, out: &mut Outbox, time_ns: u64) -> Result<(), RecordError> {
+    pub(super) fn show_percept(&self, out: &mut Outbox, time_ns: u64) -> Result<(), Error> {
         let scene = percept::scene(self.perceived_cells.clone(), &self.belief);
         out.send(For::Episode, Topic::Percept, time_ns, &scene)
     }
