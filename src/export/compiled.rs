@@ -36,13 +36,6 @@ macro_rules! maps {
         const GOAL: u16 = u16::MAX;
         const BEGIN: u16 = 0;
         const REWARDS: u8 = 4;
-        const IGNORES_COLLISIONS: bool = false;
-        const SLIP: f64 = 0.1;
-        const OBSERVATION_ERROR: f64 = 0.01;
-        const MISLOCALISED: f64 = 1e-3;
-        const BEGUN_ELSEWHERE: f64 = 0.1;
-        const NEGLIGIBLE: f64 = 1e-4;
-        const NEGLIGIBLE_ONE_IN: u32 = 10_000;
 
         static STATE_TABLE: [State; STATES] = [
             State {
@@ -83,8 +76,9 @@ macro_rules! maps {
     };
 }
 
-#[allow(dead_code, reason = "the part that a robot calls")]
 mod exact {
+    const NEGLIGIBLE_ONE_IN: u32 = 10_000;
+
     corridor!();
     maps!();
     include!("templates/whole.rs");
@@ -92,8 +86,13 @@ mod exact {
     include!("templates/neighbours.rs");
 }
 
-#[allow(dead_code, reason = "the part that a robot calls")]
 mod noisy {
+    const IGNORES_COLLISIONS: bool = false;
+    const SLIP: f64 = 0.1;
+    const OBSERVATION_ERROR: f64 = 0.01;
+    const MISLOCALISED: f64 = 1e-3;
+    const BEGUN_ELSEWHERE: f64 = 0.1;
+    const NEGLIGIBLE: f64 = 1e-4;
     const SCAN_REACH: i32 = 3;
     const SCAN_NEAREST_M: f64 = 0.1;
     const SCAN_LOST_RANGE_M: f64 = 4.0;
@@ -120,7 +119,6 @@ mod noisy {
     include!("templates/scan.rs");
 }
 
-#[allow(dead_code, reason = "the part that a robot calls")]
 mod plain {
     const PERCEPT_BYTES: usize = 2;
 
@@ -146,6 +144,45 @@ fn trackers_follow_a_robot_along_a_corridor() {
     assert_eq!(tracker.perceive(0x2222, false, false), Some(0));
     assert_eq!(tracker.perceive(0x2222, false, false), Some(0));
     assert_eq!(tracker.likeliest(), Some(1), "the percept has an error");
+}
+
+/// Checks the conversions of a module between poses, cells and percepts.
+macro_rules! assert_grid {
+    ($name:ident, $west:expr, $middle:expr) => {{
+        use $name::{CellState, cell_from_pose, percept_from_map, pose_of_cell};
+
+        assert_eq!(cell_from_pose(11.9, 0.1), Some((1, 0)));
+        assert_eq!(cell_from_pose(9.9, 0.1), None);
+        assert_eq!(cell_from_pose(f64::NAN, 0.1), None);
+        assert_eq!(pose_of_cell(1, 0), (11.5, 0.5));
+        let percept = |column| {
+            percept_from_map(column, 0, |column, row| match (column, row) {
+                (0 | 1, 0) => CellState::Free,
+                (2, 0) => CellState::Goal,
+                _ => CellState::Wall,
+            })
+        };
+        assert_eq!([percept(0), percept(1)], [$west, $middle]);
+    }};
+}
+
+#[test]
+fn cells_and_percepts_follow_from_poses() {
+    // Clockwise from north, two bits for a cell, the lowest first: free 00, wall 01, goal 11.
+    assert_grid!(exact, 0xaa8a, 0x8aba);
+    assert_grid!(plain, [0x8a, 0xaa], [0xba, 0x8a]);
+    // One ray to the east, whose bit says that the next cell is occupied.
+    assert_grid!(noisy, 0, 0);
+}
+
+#[test]
+fn a_scan_shows_whether_the_next_cell_is_free() {
+    let seen = |range_m| {
+        let mut scan = noisy::Scan::begin(10.5, 0.5, 1.0, 0.0);
+        (0..3).for_each(|_| scan.add(1.0, 0.0, Some(range_m)));
+        scan.percept()
+    };
+    assert_eq!([seen(0.5), seen(2.5)], [1, 0]);
 }
 
 #[test]

@@ -15,6 +15,7 @@ mod metres;
 mod nav2;
 mod physics;
 mod sensing;
+mod sensing_robots;
 mod world_errors;
 mod world_properties;
 mod worlds;

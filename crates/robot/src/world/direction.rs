@@ -5,15 +5,22 @@ use serde::{Deserialize, Serialize};
 /// A compass direction; north is toward row 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-#[allow(missing_docs, reason = "the names say it")]
 pub enum Direction {
+    /// Toward row 0.
     North,
+    /// Between north and east.
     NorthEast,
+    /// Toward the last column.
     East,
+    /// Between south and east.
     SouthEast,
+    /// Toward the last row.
     South,
+    /// Between south and west.
     SouthWest,
+    /// Toward column 0.
     West,
+    /// Between north and west.
     NorthWest,
 }
 

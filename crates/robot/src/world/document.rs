@@ -1,4 +1,7 @@
 //! Splits JSON text into the raw values of the known keys, each with its location in the text.
+//!
+//! Raw values are slices of the text, so their spans need no bookkeeping. A YAML reader with spans
+//! accepts text that is not JSON, and reports a span of one character for an array.
 
 use std::fmt;
 
