@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use xcscr::record::reader::Recording as Recorded;
 use xcscr::record::{Comparison, RecordMode, RecordingKind};
 use xcscr::run::{
-    Again, ExternalActions, ExternalEpisode, ExternalRecorder, RunError, Source, WheelSpeeds,
+    Again, ExternalActions, ExternalEpisode, ExternalRecorder, Source, WheelSpeeds,
 };
 
 use crate::plan::{Choice, invalid};
@@ -94,10 +94,10 @@ pub fn verify_recording(py: Python<'_>, file: PathBuf) -> PyResult<Option<String
     py.detach(|| fault(&file)).map_err(invalid)
 }
 
-fn fault(file: &Path) -> Result<Option<String>, RunError> {
+fn fault(file: &Path) -> Result<Option<String>, xcscr::Error> {
     let recording = Recorded::open(file)?;
-    if let Some(finding) = recording.check().first() {
-        return Ok(Some(finding.to_string()));
+    if let Some(fault) = recording.check().into_iter().next() {
+        return Ok(Some(fault));
     }
     if recording.extent() == Some(RecordingKind::Comparison) {
         return Comparison::difference(&recording);

@@ -186,7 +186,7 @@ fn drive(
 
     use super::interrupt::Interrupt;
     use xcscr::record::DriveBag;
-    use xcscr::ros2::{DriveReport, Ros2Error};
+    use xcscr::ros2::DriveReport;
 
     let since = SystemTime::now().duration_since(UNIX_EPOCH);
     let now_ns = since.map_or(0, |since| since.as_nanos() as u64);
@@ -200,17 +200,13 @@ fn drive(
         };
     };
     let driver = Driver::new(setup);
-    let driven = xcscr::ros2::drive(
+    let summary = xcscr::ros2::drive(
         driver,
         options,
         Some(bag),
         &|| interrupt.came(),
         &mut report,
-    );
-    let summary = driven.map_err(|error| match error {
-        Ros2Error::Record(error) => error.into(),
-        error => Failure::new(ErrorKind::Io, error.to_string()),
-    })?;
+    )?;
     let latency = summary.latency;
     writeln!(
         out,

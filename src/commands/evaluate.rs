@@ -7,7 +7,7 @@ use xcscr::ErrorKind;
 use xcscr::agent::Knowledge;
 use xcscr::arena::ArenaKind;
 use xcscr::disk;
-use xcscr::run::{clear_evaluation, record_evaluation};
+use xcscr::run::record_evaluation;
 use xcscr::study::{ConditionResult, Robustness};
 use xcscr::trial::{Evaluation, Plan};
 
@@ -108,17 +108,11 @@ fn evaluate(
         return Ok((Evaluation::run(plan, knowledge, args.episodes)?, None));
     }
     let folder = args.out.clone().unwrap_or_else(|| args.learned.beside());
-    clear_evaluation(&folder, args.force)?;
     let interrupt = Interrupt::notice()?;
     let stop = || interrupt.came();
-    match record_evaluation(plan, knowledge, args.episodes, &folder, &stop) {
-        Err(error) if error.kind() == ErrorKind::Interrupted => {
-            clear_evaluation(&folder, true)?;
-            let message = "interrupted; nothing was saved: run the same command again".to_owned();
-            Err(Failure::new(ErrorKind::Interrupted, message))
-        }
-        recorded => Ok((recorded?.0, Some(folder))),
-    }
+    let into = (folder.as_path(), args.force);
+    let (evaluation, _) = record_evaluation(plan, knowledge, args.episodes, into, &stop)?;
+    Ok((evaluation, Some(folder)))
 }
 
 fn print_folder(folder: &Path, out: &mut impl Write) -> Result<(), Failure> {

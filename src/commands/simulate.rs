@@ -83,8 +83,7 @@ fn simulate(
         "Simulating a robot in {name}: domain {}, namespace {}. Commands: cmd_vel. Stop: Ctrl-C.",
         node.domain, node.namespace
     ));
-    xcscr::ros2::simulate(maze, robot, options, &|| interrupt.came())
-        .map_err(|error| Failure::new(ErrorKind::Io, error.to_string()))?;
+    xcscr::ros2::simulate(maze, robot, options, &|| interrupt.came())?;
     Ok(())
 }
 

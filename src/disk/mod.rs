@@ -19,7 +19,8 @@ pub(crate) use atomic::{
 pub(crate) use error::{cannot_create, cannot_read, cannot_write};
 pub(crate) use lock::{FolderLock, LOCK, is_foreign_lock};
 pub use typed::{named, typed};
-pub use xcscr_robot::input::{open, read, read_text};
+pub use xcscr_robot::input::read_text;
+pub(crate) use xcscr_robot::input::{open, read};
 
 /// Returns the name of an unfinished recording.
 pub(crate) fn part(path: &Path) -> PathBuf {

@@ -33,5 +33,5 @@ pub use fault::{Fault, Mislocalised};
 pub use options::{DriverOptions, NodeOptions, SimulateOptions};
 pub use readings::{Imu, Network, Odometry, Readings, Scan};
 pub use setup::{DriveOptions, DriveSetup};
-pub use simulated::{COMMAND_NS, SimulatedReadings, SimulatedRobot};
-pub use watch::{CLOCK_AGE_NS, Frames, ODOMETRY_AGE_NS};
+pub use simulated::{SimulatedReadings, SimulatedRobot};
+pub use watch::Frames;

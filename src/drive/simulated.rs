@@ -9,7 +9,7 @@ use crate::record::rolled;
 use crate::world::Maze;
 
 /// The duration of a command in nanoseconds of simulated time. The robot then stops.
-pub const COMMAND_NS: u64 = 500_000_000;
+const COMMAND_NS: u64 = 500_000_000;
 
 /// The readings after a step of 50 ms.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,9 +7,9 @@ use crate::arena::LidarParams;
 
 const SECOND_NS: f64 = 1e9;
 /// The maximum age of odometry in nanoseconds: three control periods.
-pub const ODOMETRY_AGE_NS: u64 = 150_000_000;
+const ODOMETRY_AGE_NS: u64 = 150_000_000;
 /// The longest standstill of simulated time, in real nanoseconds.
-pub const CLOCK_AGE_NS: u64 = 1_000_000_000;
+const CLOCK_AGE_NS: u64 = 1_000_000_000;
 /// The maximum age of scans, in lidar turns.
 const TURNS: f64 = 2.0;
 /// A change of the stamps by more than this, in nanoseconds, is a jump if less than half of it has

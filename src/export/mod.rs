@@ -18,7 +18,7 @@ mod rays;
 mod templates;
 
 use model::{Model, Source};
-pub use policy::{Policy, WeightedRule};
+pub use policy::Policy;
 pub use provenance::Provenance;
 use strum::{IntoStaticStr, VariantArray};
 

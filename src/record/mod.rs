@@ -24,7 +24,7 @@ pub(crate) use highlights::{HighlightsBuilder, Segment, ShownRun, compare_highli
 pub use info::{RecordingKind, RobotShape, RunInfo, RunKind};
 pub use mode::RecordMode;
 pub(crate) use mode::RecordModeError;
-pub use read::{Finding, FindingKind, check, compare, reader};
+pub use read::{check, compare, reader};
 pub use repair::{Recovery, recover};
 pub use ros::{DriveBag, DriveRecording};
 pub(crate) use ros::{RosBag, rolled};

@@ -6,10 +6,10 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use ros2_client::{Gid, Publisher, Subscription};
 use serde::Serialize;
 
-use super::error::Ros2Error;
 use super::link::{Link, STAMPED, TWIST, best_effort, drain, reliable};
 use crate::arena::Speeds;
 use crate::drive::{Driver, DriverOptions, DriverStep, Fault, Network, Phase, Readings};
+use crate::error::{Error, ErrorKind};
 use crate::record::DriveBag;
 use crate::record::drive_messages::{Clock, Imu, Text, Twist, TwistStamped};
 use crate::record::messages::{EstimatedPose, LaserScan, MAP, ODOM, Odometry, Transforms};
@@ -75,10 +75,10 @@ impl Velocity {
         }
     }
 
-    fn publish(&self, time_ns: u64, speeds: Speeds) -> Result<(), Ros2Error> {
-        let fault = |cause: String| Ros2Error::Publish {
-            topic: "/cmd_vel",
-            cause,
+    fn publish(&self, time_ns: u64, speeds: Speeds) -> Result<(), Error> {
+        let fault = |cause: String| {
+            let message = format!("cannot publish on /cmd_vel: {cause}");
+            ErrorKind::Io.error(message)
         };
         match self {
             Self::Plain(to) => to
@@ -91,7 +91,7 @@ impl Velocity {
     }
 }
 
-fn publisher_of<M: Serialize>(link: &mut Link, kind: [&str; 2]) -> Result<Publisher<M>, Ros2Error> {
+fn publisher_of<M: Serialize>(link: &mut Link, kind: [&str; 2]) -> Result<Publisher<M>, Error> {
     link.publisher("cmd_vel", kind, &reliable())
 }
 
@@ -121,7 +121,7 @@ struct Taken {
 }
 
 impl DriveNode {
-    fn open(options: &DriverOptions) -> Result<Self, Ros2Error> {
+    fn open(options: &DriverOptions) -> Result<Self, Error> {
         let mut link = Link::open("xcscr_driver", &options.node)?;
         let text = ["std_msgs", "String"];
         let clock = ["rosgraph_msgs", "Clock"];
@@ -196,7 +196,7 @@ impl DriveNode {
         };
     }
 
-    fn publish(&self, step: &DriverStep) -> Result<(), Ros2Error> {
+    fn publish(&self, step: &DriverStep) -> Result<(), Error> {
         if let Some(cmd_vel) = &self.cmd_vel {
             let time_ns = step.belief.map_or(0, |belief| belief.stamp_ns);
             cmd_vel.publish(time_ns, step.command)?;
@@ -239,7 +239,7 @@ pub fn drive(
     bag: Option<DriveBag>,
     stop: &dyn Fn() -> bool,
     report: &mut dyn FnMut(DriveReport<'_>),
-) -> Result<DriveSummary, Ros2Error> {
+) -> Result<DriveSummary, Error> {
     let mut drive = Drive {
         node: RestAtEnd(DriveNode::open(options)?),
         driver,
@@ -288,7 +288,7 @@ impl Drive {
         &mut self,
         stop: &dyn Fn() -> bool,
         report: &mut dyn FnMut(DriveReport<'_>),
-    ) -> Result<DriverStep, Ros2Error> {
+    ) -> Result<DriverStep, Error> {
         let (began, began_ns) = (Instant::now(), unix_ns());
         let mut last: Option<Instant> = None;
         loop {

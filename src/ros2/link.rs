@@ -10,8 +10,8 @@ use ros2_client::{
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::error::Ros2Error;
 use crate::drive::NodeOptions;
+use crate::error::{Error, ErrorKind};
 
 /// Quality of service for sensor messages, which may be lost. Compatible with every publisher of
 /// the same type.
@@ -47,7 +47,7 @@ pub struct Link {
 
 impl Link {
     /// Opens a node with a name.
-    pub fn open(name: &str, options: &NodeOptions) -> Result<Self, Ros2Error> {
+    pub fn open(name: &str, options: &NodeOptions) -> Result<Self, Error> {
         let what = || format!("the node `{name}` in the namespace `{}`", options.namespace);
         let context = Context::with_options(ContextOptions::new().domain_id(options.domain))
             .map_err(failed(what()))?;
@@ -63,7 +63,7 @@ impl Link {
     }
 
     /// Returns the full name of a topic.
-    fn name(&self, topic: &str) -> Result<Name, Ros2Error> {
+    fn name(&self, topic: &str) -> Result<Name, Error> {
         let (folder, base) = topic.rsplit_once('/').unwrap_or(("", topic));
         let namespace = match topic {
             "clock" => "",
@@ -86,7 +86,7 @@ impl Link {
         topic: &str,
         [package, kind]: [&str; 2],
         qos: &QosProfile,
-    ) -> Result<Publisher<M>, Ros2Error> {
+    ) -> Result<Publisher<M>, Error> {
         let what = || format!("the publisher on `{topic}`");
         let made =
             self.node
@@ -103,7 +103,7 @@ impl Link {
         topic: &str,
         [package, kind]: [&str; 2],
         qos: &QosProfile,
-    ) -> Result<Subscription<M>, Ros2Error> {
+    ) -> Result<Subscription<M>, Error> {
         let what = || format!("the subscription to `{topic}`");
         let made =
             self.node
@@ -188,11 +188,8 @@ fn other_type(found: &str, [package, kind]: [&str; 2]) -> Option<String> {
 }
 
 /// Converts an error in creating `what`.
-pub fn failed<E: std::fmt::Debug>(what: String) -> impl FnOnce(E) -> Ros2Error {
-    move |cause| Ros2Error::Create {
-        what,
-        cause: format!("{cause:?}"),
-    }
+pub fn failed<E: std::fmt::Debug>(what: String) -> impl FnOnce(E) -> Error {
+    move |cause| ErrorKind::Io.error(format!("cannot create {what} for ROS 2: {cause:?}"))
 }
 
 /// Returns all waiting messages. Messages that cannot be decoded are dropped.

@@ -4,10 +4,8 @@
 //! the topics, their quality of service, and the loops that move messages.
 
 mod drive_node;
-mod error;
 mod link;
 mod robot_node;
 
 pub use drive_node::{DriveReport, DriveSummary, Latency, drive};
-pub use error::Ros2Error;
 pub use robot_node::simulate;

@@ -7,10 +7,10 @@ use nalgebra::Isometry2;
 use ros2_client::{Publisher, Subscription};
 use serde::Serialize;
 
-use super::error::Ros2Error;
 use super::link::{Link, STAMPED, TWIST, best_effort, drain, reliable, transient_local};
 use crate::arena::Speeds;
 use crate::drive::{SimulateOptions, SimulatedReadings, SimulatedRobot};
+use crate::error::Error;
 use crate::record::drive_messages::{Clock, Imu, Twist, TwistStamped};
 use crate::record::messages::{
     BASE, LASER, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, TRUE_BASE, Transforms,
@@ -29,7 +29,7 @@ enum Commands {
 }
 
 impl Commands {
-    fn open(link: &mut Link, stamped: bool) -> Result<Self, Ros2Error> {
+    fn open(link: &mut Link, stamped: bool) -> Result<Self, Error> {
         let qos = best_effort();
         Ok(match stamped {
             false => Self::Plain(link.subscription("cmd_vel", TWIST, &qos)?),
@@ -61,7 +61,7 @@ struct RobotNode {
 }
 
 impl RobotNode {
-    fn open(options: &SimulateOptions) -> Result<Self, Ros2Error> {
+    fn open(options: &SimulateOptions) -> Result<Self, Error> {
         let mut link = Link::open("xcscr_robot", &options.node)?;
         let odometry = ["nav_msgs", "Odometry"];
         let transforms = ["tf2_msgs", "TFMessage"];
@@ -127,7 +127,7 @@ pub fn simulate(
     robot: &mut SimulatedRobot,
     options: &SimulateOptions,
     stop: &dyn Fn() -> bool,
-) -> Result<u64, Ros2Error> {
+) -> Result<u64, Error> {
     let node = RobotNode::open(options)?;
     node.publish_static(maze);
     let period = STEP.div_f64(options.realtime_factor);

@@ -17,27 +17,33 @@ use crate::record::{RecordMode, RecordSummary, Recorder, RecordingKind, RunInfo,
 use crate::trial::{Evaluation, Plan, PlanError};
 
 /// Runs `episodes` episodes of the greedy policy of `knowledge`, and records all of them in
-/// `folder`, which is created if it is missing.
+/// `folder`, which must be missing or empty. With `force`, the files of an earlier evaluation,
+/// finished or not, are removed, and nothing else.
 ///
 /// # Errors
-/// If the plan is invalid, the knowledge does not fit the world, or a file cannot be written.
-/// [`ErrorKind::Interrupted`] if `stop` returned true after an episode.
+/// If the folder contains other files, the plan is invalid, the knowledge does not fit the world, or
+/// a file cannot be written. [`ErrorKind::Interrupted`] if `stop` returned true after an episode; no
+/// file is left.
 pub fn record_evaluation(
     plan: &Plan,
     knowledge: &Knowledge,
     episodes: u32,
-    folder: &Path,
+    (folder, force): (&Path, bool),
     stop: &dyn Fn() -> bool,
 ) -> Result<(Evaluation, RecordSummary), Error> {
-    record_drives(plan, knowledge, episodes, folder, (RecordMode::All, stop))
+    clear_evaluation(folder, force)?;
+    let recorded = record_drives(plan, knowledge, episodes, folder, (RecordMode::All, stop));
+    match recorded {
+        Err(error) if error.kind() == ErrorKind::Interrupted => {
+            clear_evaluation(folder, true)?;
+            Err(error.with_hint("nothing was saved: run the same command again"))
+        }
+        recorded => recorded,
+    }
 }
 
-/// Prepares the folder for a recorded evaluation. The folder must be missing or empty. With
-/// `force`, the files of an earlier evaluation, finished or not, are removed, and nothing else.
-///
-/// # Errors
-/// If the folder contains other files, or cannot be read or emptied.
-pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), Error> {
+/// Removes the files of an earlier evaluation, or returns an error without `force`.
+fn clear_evaluation(folder: &Path, force: bool) -> Result<(), Error> {
     let entries = match file_names(folder) {
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(()),
         names => names.map_err(disk::cannot_read(folder))?,

@@ -34,7 +34,7 @@ mod rerun;
 mod untouched;
 mod verify;
 
-pub use evaluation::{clear_evaluation, record_evaluation};
+pub use evaluation::record_evaluation;
 pub use external::{ExternalActions, ExternalEpisode, ExternalRecorder, WheelSpeeds};
 pub use folder::RunFolder;
 pub use highlights::{highlights, page};

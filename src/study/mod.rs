@@ -30,6 +30,5 @@ pub use protocol::{Arm, Overrides, Protocol, StudyFile, StudyKey, Variant};
 pub use report::Report;
 pub use robustness::{ConditionResult, LeftOut, Robustness};
 pub use runner::StudyWatcher;
-pub use statistics::Interval;
 pub use store::{Figures, PlannedStudy, Shard, StudyFolder, TrialRecord};
 pub use tuning::{Found, Rung, Stage, Standing, Tuning, Verdict};

@@ -7,9 +7,7 @@ use std::path::{Path, PathBuf};
 use xcscr::agent::{Agent, Estimator, Explorer, Method, Setup};
 use xcscr::arena::{Arena, ArenaKind, GridArena, PhysicsArena, PhysicsParams};
 use xcscr::episode::{self, Observer};
-use xcscr::record::{
-    RecordError, RecordMode, RecordSummary, Recorder, RobotShape, RunInfo, RunKind,
-};
+use xcscr::record::{RecordMode, RecordSummary, Recorder, RobotShape, RunInfo, RunKind};
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
 use xcscr::trial::Plan;
@@ -110,7 +108,7 @@ impl Trial {
     }
 
     /// Creates a recorder for the trial.
-    pub fn recorder(&self, folder: &Path) -> Result<Recorder, RecordError> {
+    pub fn recorder(&self, folder: &Path) -> Result<Recorder, xcscr::Error> {
         Recorder::create(folder, &self.maze(), self.info(), self.mode)
     }
 
@@ -119,14 +117,14 @@ impl Trial {
         &self,
         folder: &Path,
         method: &mut dyn Agent,
-    ) -> Result<RecordSummary, RecordError> {
+    ) -> Result<RecordSummary, xcscr::Error> {
         let mut recorder = self.recorder(folder)?;
         self.run(method, &mut recorder);
         recorder.finish(method)
     }
 
     /// Runs the trial with XCSCR and records it.
-    pub fn record(&self, folder: &Path) -> Result<RecordSummary, RecordError> {
+    pub fn record(&self, folder: &Path) -> Result<RecordSummary, xcscr::Error> {
         self.record_with(folder, self.learner().as_mut())
     }
 }

@@ -211,7 +211,7 @@ fn the_default_build_is_free_of_what_live_needs() {
 fn the_sample_in_the_repository_is_sound_small_and_the_same_as_a_new_run() {
     assert!(fs::metadata(SAMPLE).unwrap().len() < 300_000);
     let shown = Recording::open(SAMPLE.as_ref()).unwrap();
-    assert_eq!(shown.check(), []);
+    assert_eq!(shown.check(), [""; 0]);
     Desk::new().ok(&format!("recording verify {SAMPLE}"));
     let end = on(&shown, "/episode").last().unwrap();
     assert_eq!(end.json().unwrap()["outcome"], "goal");

@@ -180,7 +180,7 @@ fn many_chunks_that_unpack_to_much_are_not_unpacked() {
     let size = write_recording(&path, "/x", 1 << 20, messages);
     assert!(size < 100_000, "{size} bytes");
     let findings = record::check(&path).unwrap();
-    let what = &findings[0].what;
+    let what = &findings[0];
     assert!(what.contains("its chunks unpack to"), "{findings:?}");
     let recovery = record::recover(&path, &out, false).unwrap();
     // What is saved is within the half of what is believed, and what is not is named.
@@ -232,7 +232,7 @@ fn a_file_in_which_everything_is_wrong_is_told_in_a_thousand_lines() {
         "comes after",
         "more faults than these",
     ] {
-        let told = findings.iter().any(|one| one.what.contains(words));
+        let told = findings.iter().any(|one| one.contains(words));
         assert!(told, "{words}");
     }
     small(&desk, 65, "recording check @faulty.mcap", "");

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
-use xcscr::record::{self, Finding};
+use xcscr::record;
 
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
@@ -55,7 +55,7 @@ fn check(file: &Path) -> Result<Checked, Failure> {
     Ok(Checked {
         file: file.display().to_string(),
         sound: findings.is_empty(),
-        findings: findings.iter().map(Finding::to_string).collect(),
+        findings,
     })
 }
 

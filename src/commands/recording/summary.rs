@@ -4,8 +4,6 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
-use xcscr::ErrorKind;
 use xcscr::disk;
 use xcscr::record::RecordingKind;
 use xcscr::record::reader::Recording;
@@ -16,18 +14,6 @@ use crate::commands::terminal::write_row;
 
 /// The number of episodes at the beginning and at the end that are compared.
 const FEW: usize = 10;
-
-/// The figures of an episode, from the last `/episode` message of the episode.
-#[derive(Debug, Deserialize)]
-struct Figures {
-    episode: u32,
-    outcome: String,
-    optimal: bool,
-    steps: Option<u32>,
-    collisions: Option<u32>,
-    rules: Option<u32>,
-    shortest: Option<u32>,
-}
 
 /// Returns the finished recording of the whole run if `path` is the folder of a run.
 pub fn whole_run(path: &Path) -> Option<PathBuf> {
@@ -43,7 +29,7 @@ pub fn print(
     out: &mut impl Write,
 ) -> Result<(), Failure> {
     let recording = Recording::open(run)?;
-    let episodes = figures(&recording)?;
+    let episodes = recording.episodes()?;
     let entry = |key: &str| recording.metadata("run").and_then(|run| run.get(key));
     let [world, method, arena, sensor, seed] =
         ["world", "method", "arena", "sensor", "seed"].map(|key| entry(key).map_or("?", |e| e));
@@ -53,15 +39,17 @@ pub fn print(
         episodes.len()
     )?;
     let goals = episodes.iter().filter(|one| one.outcome == "goal");
-    write_row(out, "reached the goal", times(goals, &episodes))?;
+    let goals: Vec<u32> = goals.map(|one| one.episode).collect();
+    write_row(out, "reached the goal", times(&goals, episodes.len()))?;
     let optimal = episodes.iter().filter(|one| one.optimal);
-    write_row(out, "policy optimal", times(optimal, &episodes))?;
-    let column = |of: fn(&Figures) -> Option<u32>| -> Vec<u32> {
-        episodes.iter().map(|one| of(one).unwrap_or(0)).collect()
-    };
-    let steps = column(|one| one.steps);
+    let optimal: Vec<u32> = optimal.map(|one| one.episode).collect();
+    write_row(out, "policy optimal", times(&optimal, episodes.len()))?;
+    let all = episodes.iter();
+    let steps: Vec<u32> = all.map(|one| one.steps.unwrap_or(0)).collect();
     write_row(out, "steps", change(&steps))?;
-    write_row(out, "collisions", change(&column(|one| one.collisions)))?;
+    let all = episodes.iter();
+    let collisions: Vec<u32> = all.map(|one| one.collisions.unwrap_or(0)).collect();
+    write_row(out, "collisions", change(&collisions))?;
     if let Some(last) = episodes.last() {
         let shortest = last
             .shortest
@@ -94,31 +82,11 @@ fn print_files(
     Ok(())
 }
 
-fn figures(recording: &Recording) -> Result<Vec<Figures>, Failure> {
-    let mut episodes: Vec<Figures> = Vec::new();
-    for message in recording.messages() {
-        let message = message?;
-        if message.topic() == "/episode" {
-            let read = serde_json::from_slice(&message.data);
-            let figures: Figures = read.map_err(|fault| {
-                let file = recording.path().display();
-                Failure::new(ErrorKind::BadData, format!("{file}: /episode: {fault}"))
-            })?;
-            episodes.extend((figures.outcome != "running").then_some(figures));
-        }
-    }
-    Ok(episodes)
-}
-
-/// Formats the number of episodes, and which was the first.
-fn times<'a>(some: impl Iterator<Item = &'a Figures>, all: &[Figures]) -> String {
-    let some: Vec<u32> = some.map(|one| one.episode).collect();
+/// Formats the number of some of all episodes, and which was the first.
+fn times(some: &[u32], all: usize) -> String {
     some.first().map_or("never".to_owned(), |first| {
-        format!(
-            "in {} of {}, first in episode {first}",
-            some.len(),
-            all.len()
-        )
+        let count = some.len();
+        format!("in {count} of {all}, first in episode {first}")
     })
 }
 

@@ -7,7 +7,7 @@ use xcscr::ErrorKind;
 use xcscr::record::RecordingKind;
 use xcscr::record::layout;
 use xcscr::record::reader::Recording;
-use xcscr::record::server::{Content, Origin, Server, foxglove_link, lichtblick_link};
+use xcscr::record::server::{Content, Origin, Server, viewer_links};
 use xcscr::run::Source;
 use xcscr::trial::Plan;
 
@@ -145,9 +145,11 @@ fn print_links(server: &mut Server, offer: Offer, out: &mut impl Write) -> Resul
         (all, some) if some < all => writeln!(out, "{what} (the last {some} of {all})")?,
         _ => writeln!(out, "{what}")?,
     }
-    let first = lichtblick_link(linked, &layout);
-    write_link("Lichtblick  ", &first, out)?;
-    write_link("Foxglove    ", &foxglove_link(linked), out)?;
+    let links = viewer_links(linked, &layout);
+    for (viewer, link) in &links {
+        write_link(&format!("{viewer:<12}"), link, out)?;
+    }
     write_link("layout      ", &layout, out)?;
+    let [(_, first), _] = links;
     Ok(first)
 }

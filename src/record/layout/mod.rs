@@ -162,7 +162,7 @@ fn value_paths(maze: &Maze, values: &str) -> Vec<Value> {
 
 /// A topic or field of a recording that a layout shows.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct MessagePath {
+pub(in crate::record) struct MessagePath {
     /// The topic.
     pub topic: String,
     /// The field of its messages; `None` for whole messages.
@@ -179,7 +179,7 @@ impl std::fmt::Display for MessagePath {
 }
 
 /// Returns everything that the panels of a layout show; empty for an invalid layout.
-pub fn paths(layout: &[u8]) -> Vec<MessagePath> {
+pub(in crate::record) fn paths(layout: &[u8]) -> Vec<MessagePath> {
     let layout = json_tree(layout).unwrap_or_default();
     let panels = layout["configById"].as_object();
     let mut texts: Vec<&str> = Vec::new();

@@ -1,7 +1,6 @@
 //! Checks of recordings.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
 use std::path::Path;
 
 use super::reader::{Message, Recording};
@@ -26,62 +25,23 @@ const LAYOUT: &str = "foxglove-layout.json";
 /// The maximum number of listed faults: a small file can contain hundreds of thousands.
 const MAX_LISTED: usize = 1_000;
 
-/// A fault of a recording.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Finding {
-    /// The kind of the fault.
-    pub kind: FindingKind,
-    /// The fault and its position.
-    pub what: String,
-}
-
-/// The kinds of faults.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum FindingKind {
-    /// The file cannot be read: unfinished, not an MCAP file, or a wrong checksum.
-    Unreadable,
-    /// The index at the end contradicts the file.
-    Index,
-    /// An attachment or a metadata record is missing.
-    Facts,
-    /// A topic or its schema is missing or different.
-    Topic,
-    /// A message does not fit its schema.
-    Message,
-    /// The messages are not in order of time.
-    Order,
-    /// The robot's pose is missing for a while.
-    Gap,
-    /// The layout refers to a topic or field that does not exist.
-    Layout,
-}
-
-impl fmt::Display for Finding {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.what)
-    }
-}
-
-/// Checks a file. An empty list means that the file is valid.
+/// Checks a file. Returns each fault and its position. An empty list means that the file is valid.
 ///
 /// # Errors
 /// If the file cannot be read. Faults inside the file are findings.
-pub fn check(path: &Path) -> Result<Vec<Finding>, Error> {
+pub fn check(path: &Path) -> Result<Vec<String>, Error> {
     let bytes = disk::read(path, disk::MOST_BYTES).map_err(disk::cannot_read(path))?;
     match Recording::from_bytes(path, bytes) {
         Ok(recording) => Ok(recording.check()),
         // Omits the error's advice to run this command.
-        Err(error) => Ok(vec![finding(
-            FindingKind::Unreadable,
-            error::without_advice(&error),
-        )]),
+        Err(error) => Ok(vec![error::without_advice(&error)]),
     }
 }
 
 impl Recording {
-    /// Checks the recording. An empty list means that the recording is valid.
-    pub fn check(&self) -> Vec<Finding> {
+    /// Checks the recording. Returns each fault and its position. An empty list means that the
+    /// recording is valid.
+    pub fn check(&self) -> Vec<String> {
         let mut findings = Vec::new();
         check_facts(self, &mut findings);
         check_topics(self, &mut findings);
@@ -89,10 +49,6 @@ impl Recording {
         check_layout(self, &mut findings);
         findings
     }
-}
-
-fn finding(kind: FindingKind, what: String) -> Finding {
-    Finding { kind, what }
 }
 
 /// Returns the prefixes of attachments and topics: one for each side of a comparison, and otherwise
@@ -104,7 +60,7 @@ fn sides(recording: &Recording) -> Vec<String> {
     }
 }
 
-fn check_facts(recording: &Recording, findings: &mut Vec<Finding>) {
+fn check_facts(recording: &Recording, findings: &mut Vec<String>) {
     let mut names: Vec<String> = Vec::new();
     for side in sides(recording) {
         names.extend(ATTACHED.map(|name| format!("{side}{name}")));
@@ -120,11 +76,11 @@ fn check_facts(recording: &Recording, findings: &mut Vec<Finding>) {
             Some(Err(error)) => format!("the attachment {name} is not JSON: {error}"),
             Some(Ok(_)) => continue,
         };
-        findings.push(finding(FindingKind::Facts, what));
+        findings.push(what);
     }
     if recording.metadata("run").is_none() {
         let what = "the metadata record `run` is missing";
-        findings.push(finding(FindingKind::Facts, what.to_owned()));
+        findings.push(what.to_owned());
     }
 }
 
@@ -137,7 +93,7 @@ fn plain(topic: &str) -> &str {
     layout::SIDES.iter().find_map(below).unwrap_or(topic)
 }
 
-fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
+fn check_topics(recording: &Recording, findings: &mut Vec<String>) {
     let kind = match recording.extent() {
         Some(RecordingKind::Comparison) => RecordingKind::Highlights,
         // A recording without a kind is checked as an episode.
@@ -165,7 +121,7 @@ fn sensing(side: &str, recording: &Recording) -> [bool; 2] {
 }
 
 /// Checks the topics of a recording, or of a side of a comparison.
-fn check_side(side: &str, kind: RecordingKind, recording: &Recording, findings: &mut Vec<Finding>) {
+fn check_side(side: &str, kind: RecordingKind, recording: &Recording, findings: &mut Vec<String>) {
     let present = recording.topics();
     let expected = if kind == RecordingKind::Run {
         Topic::of_run()
@@ -188,40 +144,40 @@ fn check_side(side: &str, kind: RecordingKind, recording: &Recording, findings: 
             }
             Some(_) => continue,
         };
-        findings.push(finding(FindingKind::Topic, what));
+        findings.push(what);
     }
 }
 
-fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
+fn check_messages(recording: &Recording, findings: &mut Vec<String>) {
     let (mut before_ns, mut posed_ns) = (0, BTreeMap::new());
     let mut counts: BTreeMap<String, u64> = BTreeMap::new();
     for message in recording.messages() {
         let message = match message {
             Ok(message) => message,
             Err(error) => {
-                return findings.push(finding(FindingKind::Unreadable, error.to_string()));
+                return findings.push(error.to_string());
             }
         };
         if findings.len() >= MAX_LISTED {
             let what = format!("there are more faults than these {}", findings.len());
-            return findings.push(finding(FindingKind::Message, what));
+            return findings.push(what);
         }
         let (topic, now_ns) = (message.topic(), message.time_ns);
         *counts.entry(topic.to_owned()).or_default() += 1;
         if now_ns < before_ns {
             let what = format!("{topic} at {now_ns} ns comes after a message at {before_ns} ns");
-            findings.push(finding(FindingKind::Order, what));
+            findings.push(what);
         }
         before_ns = now_ns;
         if let Some(fault) = fault(&message) {
             let what = format!("{topic} at {now_ns} ns {fault}");
-            findings.push(finding(FindingKind::Message, what));
+            findings.push(what);
         }
         if plain(topic) == Topic::Transforms.name() {
             let before = posed_ns.insert(topic.to_owned(), now_ns);
             if let Some(before) = before.filter(|&before| now_ns > before + MAX_GAP_NS) {
                 let what = format!("no pose on {topic} from {before} ns to {now_ns} ns");
-                findings.push(finding(FindingKind::Gap, what));
+                findings.push(what);
             }
         }
     }
@@ -240,22 +196,22 @@ fn fault(message: &Message) -> Option<String> {
 }
 
 /// Checks that the index counts the messages of the file.
-fn check_index(recording: &Recording, counts: &BTreeMap<String, u64>, findings: &mut Vec<Finding>) {
+fn check_index(recording: &Recording, counts: &BTreeMap<String, u64>, findings: &mut Vec<String>) {
     for (name, claimed) in recording.claimed() {
         let found = counts.get(&name).copied().unwrap_or(0);
         if found != claimed {
             let what = format!("{name} has {found} messages, the index says {claimed}");
-            findings.push(finding(FindingKind::Index, what));
+            findings.push(what);
         }
     }
     let chunks = &recording.summary().chunk_indexes;
     if chunks.is_empty() && counts.values().sum::<u64>() > 0 {
         let what = "no chunk is indexed, so viewers find no messages";
-        findings.push(finding(FindingKind::Index, what.to_owned()));
+        findings.push(what.to_owned());
     }
 }
 
-fn check_layout(recording: &Recording, findings: &mut Vec<Finding>) {
+fn check_layout(recording: &Recording, findings: &mut Vec<String>) {
     let Some(layout) = layout_of(recording) else {
         return;
     };
@@ -274,7 +230,7 @@ fn check_layout(recording: &Recording, findings: &mut Vec<Finding>) {
             }
             Some(_) => continue,
         };
-        findings.push(finding(FindingKind::Layout, what));
+        findings.push(what);
     }
 }
 

@@ -5,5 +5,5 @@ mod compare;
 pub mod reader;
 pub(super) mod records;
 
-pub use check::{Finding, FindingKind, check};
+pub use check::check;
 pub use compare::compare;

@@ -46,11 +46,14 @@ pub enum Content {
 /// of allowed origins can read the contents.
 ///
 /// ```no_run
-/// use xcscr::record::server::{Content, Server, foxglove_link};
+/// use xcscr::record::server::{Content, Server, viewer_links};
 ///
 /// let mut server = Server::bind(0)?;
 /// let url = server.add("ep-0001.mcap", Content::File("ep-0001.mcap".into()));
-/// println!("{}", foxglove_link(&[url]));
+/// let layout = server.add("layout.json", Content::Text("{}".to_owned()));
+/// for (viewer, link) in viewer_links(&[url], &layout) {
+///     println!("{viewer}: {link}");
+/// }
 /// server.run(|| false)?;
 /// # Ok::<(), std::io::Error>(())
 /// ```
@@ -108,15 +111,14 @@ impl Server {
     }
 }
 
-/// Returns a link that opens recordings in Foxglove.
-pub fn foxglove_link(urls: &[String]) -> String {
-    format!("https://app.foxglove.dev/~/view?{}", query(urls))
-}
-
-/// Returns a link that opens recordings in Lichtblick with a layout.
-pub fn lichtblick_link(urls: &[String], layout: &str) -> String {
+/// Returns the links that open recordings in Lichtblick, with a layout, and in Foxglove, each after
+/// the viewer's name.
+pub fn viewer_links(urls: &[String], layout: &str) -> [(&'static str, String); 2] {
     let (query, layout) = (query(urls), escaped(layout));
-    format!("https://lichtblick-suite.github.io/lichtblick/?{query}&layoutUrl={layout}")
+    let lichtblick =
+        format!("https://lichtblick-suite.github.io/lichtblick/?{query}&layoutUrl={layout}");
+    let foxglove = format!("https://app.foxglove.dev/~/view?{query}");
+    [("Lichtblick", lichtblick), ("Foxglove", foxglove)]
 }
 
 fn query(urls: &[String]) -> String {
