@@ -5,9 +5,7 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use xcscr::record::reader::Recording as Recorded;
 use xcscr::record::{Comparison, RecordMode, RecordingKind};
-use xcscr::run::{
-    Again, ExternalActions, ExternalEpisode, ExternalRecorder, Source, WheelSpeeds,
-};
+use xcscr::run::{Again, ExternalActions, ExternalEpisode, ExternalRecorder, Source, WheelSpeeds};
 
 use crate::plan::{Choice, invalid};
 

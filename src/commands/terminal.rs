@@ -91,41 +91,10 @@ fn words(line: &str) -> Vec<String> {
     words
 }
 
-/// Returns true if the terminal on stdout shows links (OSC 8). Known terminals are detected.
-/// `FORCE_HYPERLINK=1` enables links, `FORCE_HYPERLINK=0` disables them.
+/// Returns true if the terminal on stdout shows links (OSC 8). `FORCE_HYPERLINK=1` enables links,
+/// `FORCE_HYPERLINK=0` disables them.
 pub fn shows_links() -> bool {
-    let set = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
-    if let Some(forced) = set("FORCE_HYPERLINK") {
-        return forced != "0";
-    }
-    const PROGRAMS: [&str; 6] = [
-        "iTerm.app",
-        "WezTerm",
-        "vscode",
-        "ghostty",
-        "Hyper",
-        "Tabby",
-    ];
-    const TERMS: [&str; 5] = [
-        "xterm-kitty",
-        "xterm-ghostty",
-        "alacritty",
-        "foot",
-        "wezterm",
-    ];
-    const SIGNS: [&str; 4] = [
-        "KITTY_WINDOW_ID",
-        "WT_SESSION",
-        "KONSOLE_VERSION",
-        "DOMTERM",
-    ];
-    let is_one_of = |name, of: &[&str]| set(name).is_some_and(|it| of.contains(&it.as_str()));
-    let vte = set("VTE_VERSION").and_then(|version| version.parse::<u32>().ok());
-    io::stdout().is_terminal()
-        && (is_one_of("TERM_PROGRAM", &PROGRAMS)
-            || is_one_of("TERM", &TERMS)
-            || vte.is_some_and(|version| version >= 5000)
-            || SIGNS.iter().any(|name| set(name).is_some()))
+    supports_hyperlinks::on(supports_hyperlinks::Stream::Stdout)
 }
 
 /// Returns true if colours are enabled there; see no-color.org.

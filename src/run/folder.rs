@@ -11,8 +11,7 @@ use super::contents::{CONFIG, Contents, PAGE, RULES, WORLD, file_names, is_of_a_
 use super::error;
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK};
-use crate::error::Error;
-use crate::error::ErrorKind;
+use crate::error::{Error, ErrorKind};
 use crate::record::RecordingKind;
 use crate::record::resume_hint::{CHECKPOINT, way_to_resume};
 use crate::trial::{CheckpointError, Config, Plan, seal, unseal};

@@ -10,8 +10,7 @@ use super::rerun::Rerun;
 use super::source::{Source, mode_for_highlights, recorded_mode};
 use super::verify::Again;
 use crate::agent::Knowledge;
-use crate::error::Error;
-use crate::error::ErrorKind;
+use crate::error::{Error, ErrorKind};
 use crate::record::player;
 use crate::record::reader::Recording;
 use crate::record::{
@@ -44,7 +43,7 @@ pub fn highlights(plan: &Plan, mode: RecordMode) -> Result<Vec<u8>, Error> {
 ///
 /// # Errors
 /// As for [`highlights`].
-pub fn page(plan: &Plan, mode: RecordMode) -> Result<String, RunError> {
+pub fn page(plan: &Plan, mode: RecordMode) -> Result<String, Error> {
     let material = Material::again(plan, mode)?;
     material.page(material.build()?)
 }
@@ -194,7 +193,7 @@ impl Material {
 
 impl Material {
     /// Returns the page that plays these highlights and the episodes.
-    pub fn page(&self, highlights: Vec<u8>) -> Result<String, RunError> {
+    pub fn page(&self, highlights: Vec<u8>) -> Result<String, Error> {
         let name = RecordingKind::Highlights.file_name();
         let episodes = (1..=self.plan.config.episodes).map(RecordingKind::Episode);
         let episodes = episodes.map(|kind| self.folder.join(kind.file_name()));

@@ -10,7 +10,7 @@ use flate2::write::ZlibEncoder;
 use serde::Serialize;
 
 use super::data::Data;
-use crate::record::RecordError;
+use crate::error::Error;
 use crate::record::reader::Recording;
 
 /// The maximum size of the recordings that a page is made of, in bytes: of one episode and of all.
@@ -34,7 +34,7 @@ pub struct PackedEpisode {
 ///
 /// # Errors
 /// If a recording cannot be read.
-pub fn packed(files: &[PathBuf]) -> Result<Vec<PackedEpisode>, RecordError> {
+pub fn packed(files: &[PathBuf]) -> Result<Vec<PackedEpisode>, Error> {
     let size = |file: &Path| file.metadata().map_or(0, |facts| facts.len());
     let sized = files.iter().map(|file| (file, size(file)));
     let mut files: Vec<_> = sized.filter(|(_, bytes)| *bytes <= MOST_OF_ONE).collect();
@@ -61,7 +61,7 @@ fn thin_out<T>(entries: &mut Vec<T>) {
 }
 
 /// Packs an episode; returns `None` if the recording contains no episode.
-fn pack(file: &Path) -> Result<Option<PackedEpisode>, RecordError> {
+fn pack(file: &Path) -> Result<Option<PackedEpisode>, Error> {
     let data = Data::of(&Recording::open(file)?, None)?.without_curve();
     let Some(episode) = data.first_episode() else {
         return Ok(None);

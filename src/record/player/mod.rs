@@ -66,7 +66,7 @@ pub fn page(recording: &Recording) -> Result<String, Error> {
 ///
 /// # Errors
 /// If messages cannot be decoded, the world is missing, or a recording cannot be read.
-pub fn page_of_run(highlights: &Recording, episodes: &[PathBuf]) -> Result<String, RecordError> {
+pub fn page_of_run(highlights: &Recording, episodes: &[PathBuf]) -> Result<String, Error> {
     let mut data = Data::of(highlights, None)?;
     data.packed_episodes = episodes::packed(episodes)?;
     Ok(page_of(&data, data.heading()))

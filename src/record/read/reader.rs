@@ -12,8 +12,7 @@ use serde::Serialize;
 
 use super::records::{Records, for_each_record, unpacked_size};
 use crate::disk;
-use crate::error::Error;
-use crate::error::ErrorKind;
+use crate::error::{Error, ErrorKind};
 use crate::record::error;
 use crate::record::info::{KIND, RecordingKind, RunKind};
 use crate::record::json::json_tree;

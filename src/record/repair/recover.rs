@@ -8,8 +8,7 @@ use mcap::{MAGIC, McapError, McapResult};
 
 use super::records::{Recovery, copy_records};
 use crate::disk;
-use crate::error::Error;
-use crate::error::ErrorKind;
+use crate::error::{Error, ErrorKind};
 use crate::record::error;
 use crate::record::read::reader::Recording;
 

@@ -188,7 +188,7 @@ impl ExternalRecorder {
     }
 
     /// Builds the arena of an episode.
-    fn arena(&self, episode: &ExternalEpisode) -> Result<Box<dyn Arena>, RunError> {
+    fn arena(&self, episode: &ExternalEpisode) -> Result<Box<dyn Arena>, Error> {
         let Plan { maze, config } = &self.plan;
         let mut config = config.clone();
         config.seed = episode.seed;
