@@ -38,7 +38,7 @@ Exit codes:
       the same `study` command
  130  interrupted for the second time, and ended at once";
 
-/// A mobile robot in a physics-simulated maze learns readable rules (XCS and XCSCR), and every
+/// A mobile robot in a physics-simulated maze learns readable rules, and every
 /// episode can be replayed in Foxglove.
 ///
 /// Results go to stdout, everything else to stderr. NO_COLOR is honoured.

@@ -20,7 +20,7 @@ pub enum Knowledge {
     /// The rules of an XCS that divides by the fitness of all of \[M\]
     /// (`xcs.value_over_match_set`).
     RulesOverMatchSet(Population),
-    /// The rules of an XCS that also predicts transitions.
+    /// Rules over percepts, distilled from a plan, with the rules that predict transitions.
     PerceptRules {
         /// The rules for action values.
         rules: Population,

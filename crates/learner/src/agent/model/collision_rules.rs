@@ -4,7 +4,8 @@
 //! direction can predict all bumps. Which bits show the wall is learned. At the first bump of an action,
 //! every condition of at most two alleles that matches the percept becomes a candidate. Later bumps
 //! favour the candidates that predicted them, moves drop the wrong ones, and the candidates vote.
-//! Conditions and fitness-like weights are those of XCS. The rules depend only on the percept, so they
+//! Conditions and fitness-like weights are those of XCS; that a rule predicts the outcome of an action is an idea of
+//! ACS2 (Butz 2002). The rules depend only on the percept, so they
 //! also hold in the next maze.
 //!
 //! A bump to the north may also be informative about the east. This requires that the first bits of the

@@ -1,4 +1,7 @@
 //! Distillation of rules on a map: from the plan, from simulated episodes, and from contexts met while driving.
+//!
+//! Contexts in which the rules act are added to the examples, labelled by the plan, as in DAgger (Ross et al. 2011) and
+//! VIPER (Bastani et al. 2018). The rules come from sequential covering (CN2, Clark and Niblett 1989).
 
 use std::collections::BTreeMap;
 
