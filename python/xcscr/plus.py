@@ -28,6 +28,11 @@ class Plus(Learner):
     If different states share a percept, the plan is for their mean, and may be bad. The learner does not generalise
     between percepts that it has not met; only its rules do.
 
+    Each different reward of an action is stored. Rewards with continuous noise make learning several times slower
+    (2 to 13 times in Taxi and FrozenLake). Differences of returns below 0.01 % (1 % where results vary) of the range from
+    the worst endless walk to the best return do not count. So one percept with an unavoidable cost of more than about 100 times the
+    best return can end exploration too early. Scale such a cost down.
+
     >>> learner = Plus(2, n_bits=6, seed=1)
     >>> action = learner.act([0, 1, 0, 0, 1, 1])
     >>> learner.update(1.0)
