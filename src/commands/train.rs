@@ -48,7 +48,7 @@ pub struct TrainArgs {
     #[arg(long, default_value = "physics", value_parser = choices::arena())]
     arena: ArenaKind,
     /// Percept of the robot [default: lidar in physics, neighbours on the grid; in mazes of more
-    /// than 1,024 cells, the same with the robot's position].
+    /// than 1,024 cells without auxiliary rewards, the same with the robot's position].
     #[arg(long, value_parser = choices::sensor())]
     sensor: Option<Sensor>,
     /// Number of episodes.

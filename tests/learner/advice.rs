@@ -1,4 +1,4 @@
-//! The advice of `train` helps: ten situations in which a plan fails, and what it does once the advice is taken.
+//! The advice of `train` helps: eleven situations in which a plan fails, and what it does once the advice is taken.
 
 use std::ops::Range;
 
@@ -40,10 +40,10 @@ fn plan(maze: Maze, method: Method, sensor: Sensor, episodes: u32) -> Plan {
     plan.episodes(episodes).seed(1)
 }
 
-/// Ten plans that fail, and the advice for each.
-fn situations() -> [(Plan, &'static str); 10] {
+/// Eleven plans that fail, and the advice for each.
+fn situations() -> [(Plan, &'static str); 11] {
     use Method::{DynaQ, QLearning, RMax, Xcs, Xcscr, XcscrPlus};
-    use Sensor::{Lidar, LidarBeams, LidarRanges, Neighbours};
+    use Sensor::{Lidar, LidarBeams, LidarRanges, Neighbours, Position};
     let plus = |maze: &str, episodes| plan(world(maze), XcscrPlus, Neighbours, episodes);
     // Episodes that end before the goal.
     let short = with(plus("maze5", 60), |settings| {
@@ -81,12 +81,16 @@ fn situations() -> [(Plan, &'static str); 10] {
         (plus("rooms-20-3", 1), "--episodes 30"),
         (chance, "--set plus.planned_exploration=true"),
         (misled, "--sensor lidar-position"),
+        (
+            plan(world("maze5-helped"), XcscrPlus, Position, 60),
+            "--sensor neighbours",
+        ),
         (few, "--method xcscr-plus --episodes 30"),
     ]
 }
 
 #[test]
-fn in_ten_failing_situations_the_advice_is_taken_and_helps() {
+fn in_eleven_failing_situations_the_advice_is_taken_and_helps() {
     let ends_optimal = |plan: Plan| learned(plan).progress.optimal;
     for (plan, expected) in situations() {
         let advice = plan.advice().unwrap();

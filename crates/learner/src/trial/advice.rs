@@ -109,10 +109,18 @@ impl Plan {
         (!is_model_based).then_some(Change::Method(Method::XcscrPlus))
     }
 
-    /// A percept with the position: in large mazes, and if the percept is aliased and no map can be built from it.
+    /// A percept with the position: in large mazes, and if the percept is aliased and no map can be built from it. A
+    /// percept for a map in mazes with auxiliary rewards: no percept shows which of them were collected.
     pub(super) fn advised_sensor(&self) -> Option<Change> {
         let Self { maze, config } = self;
         let sensor = config.sensor;
+        if !maze.rewarding_cells().is_empty() {
+            let mapped = match sensor.is_sensed() {
+                true => Sensor::Lidar,
+                false => Sensor::Neighbours,
+            };
+            return (!sensor.shows_only_surroundings()).then_some(Change::Sensor(mapped));
+        }
         let with_position = match sensor.is_sensed() {
             true => Sensor::LidarPosition,
             false => Sensor::NeighboursPosition,

@@ -31,6 +31,13 @@ pub enum Warning {
         /// Changes that help, if known.
         advice: Option<Advice>,
     },
+    /// The percept does not show which auxiliary rewards were collected, and no map is built from it.
+    Collected {
+        /// The percept.
+        sensor: Sensor,
+        /// Changes that help.
+        advice: Option<Advice>,
+    },
     /// Cells with rewards are unreachable in every episode.
     OutOfReach(Vec<Cell>),
     /// A move takes longer than the time-out of actions.
@@ -60,6 +67,7 @@ impl Plan {
         [
             step_limit(&plan, &paths),
             look_alike(&plan, &paths),
+            collected(&plan),
             out_of_reach(&plan.maze),
         ]
         .into_iter()
@@ -107,6 +115,15 @@ fn look_alike(plan: &Plan, paths: &Paths) -> Option<Warning> {
     })
 }
 
+fn collected(plan: &Plan) -> Option<Warning> {
+    let Plan { maze, config } = plan;
+    let fails = !maze.rewarding_cells().is_empty() && !config.sensor.shows_only_surroundings();
+    (fails && config.method.may_draw_maps(&config.settings.plus)).then(|| Warning::Collected {
+        sensor: config.sensor,
+        advice: Advice::of(plan.advised_sensor().into_iter().collect()),
+    })
+}
+
 fn time_out(config: &Config, maze: &Maze) -> Option<Warning> {
     let physics = config.robot()?;
     let (move_s, time_out_s) = (physics.move_time_s(maze.cell_size_m()), physics.time_out_s);
@@ -142,9 +159,9 @@ impl Warning {
     /// Returns a hint in words, if one is known.
     fn help(&self) -> Option<String> {
         match self {
-            Self::StepLimit { advice, .. } | Self::LookAlike { advice, .. } => {
-                advice.as_ref().map(|advice| format!("`{advice}`"))
-            }
+            Self::StepLimit { advice, .. }
+            | Self::LookAlike { advice, .. }
+            | Self::Collected { advice, .. } => advice.as_ref().map(|advice| format!("`{advice}`")),
             Self::OutOfReach(_) => Some("to open a path in `rows`".to_owned()),
             Self::TimeOut { move_s, .. } => {
                 let time_out_s = (3.0 * move_s).ceil();
@@ -171,6 +188,11 @@ impl fmt::Display for Warning {
                 "the sensor `{}` cannot distinguish these cells, and no action is best in all of them: {}",
                 sensor.name(),
                 listed(groups)
+            ),
+            Self::Collected { sensor, .. } => write!(
+                f,
+                "the sensor `{}` does not show which rewards were collected, and the learner builds no map from it",
+                sensor.name()
             ),
             Self::OutOfReach(cells) => {
                 write!(
