@@ -42,7 +42,7 @@ pub fn missing_key(source: Source<'_>, key: &str) -> WorldError {
     )
 }
 
-/// Refuses an empty text, and JSON values other than objects.
+/// Refuses an empty text, TOML, and JSON values other than objects.
 pub fn refuse_other_kinds(source: Source<'_>) -> Result<(), WorldError> {
     let body = source.text.trim_ascii_start();
     let start = source.span(body).start;
@@ -51,7 +51,13 @@ pub fn refuse_other_kinds(source: Source<'_>) -> Result<(), WorldError> {
         return Err(source.fault(0..0, "the file is empty", "expected a world here", help));
     }
     match kind(body) {
-        None | Some("an object") => Ok(()),
+        Some("an object") => Ok(()),
+        _ if source.origin.ends_with(".toml") => {
+            let help = "run a study file with `xcscr study run FILE`, and give a settings file after `--config`";
+            let title = "a world is a JSON file";
+            Err(source.fault(start..start + 1, title, "this is TOML", help))
+        }
+        None => Ok(()),
         Some(other) => Err(source.fault(
             start..start + 1,
             format!("the file holds {other}, expected an object"),
@@ -92,9 +98,6 @@ pub fn syntax_fault(source: Source<'_>, error: &serde_json::Error) -> WorldError
         let help = "write a finite number, such as 1.0";
         let title = "JSON allows only finite numbers";
         (at, title, "not a number", help)
-    } else if source.origin.ends_with(".toml") {
-        let help = "run a study file with `xcscr study run FILE`, and give a settings file after `--config`";
-        (at, "a world is a JSON file", "this is TOML", help)
     } else {
         let help =
             "see json.org for the rules; the usual causes are missing quotes, commas and brackets";
