@@ -1,11 +1,12 @@
 //! The error of the library: its kind, and a message that says what to do.
 
 use std::io;
+use std::path::Path;
 
 use crate::agent::Misfit;
 use crate::arena::PhysicsError;
 use crate::trial::{PlanError, RobotError, SettingsError};
-use crate::world::{MapError, WorldError};
+use crate::world::{MapError, WorldError, bundled_world};
 use xcs::bounds::OutOfRange;
 
 /// The kinds of errors. Each has an exit code of the program.
@@ -97,6 +98,17 @@ impl Error {
     pub(crate) fn with_hint(self, hint: &str) -> Self {
         self.kind.error(format!("{self}; {hint}"))
     }
+}
+
+/// Returns the error for a bundled world in the place of a run, if `path` is the name of one.
+pub(crate) fn world_for_run(path: &Path) -> Option<Error> {
+    let name = path
+        .to_str()
+        .filter(|name| bundled_world(name).is_some() && !path.exists())?;
+    let message = format!(
+        "{name} is a world, not a run: train in it with `xcscr train {name}`, and pass the folder of the run"
+    );
+    Some(ErrorKind::Missing.error(message))
 }
 
 impl From<WorldError> for Error {

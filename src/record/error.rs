@@ -1,15 +1,21 @@
 //! Errors of recordings. Every message names the file and says what to do.
 
 use std::fmt::Display;
+use std::io;
 use std::path::Path;
 
 use mcap::McapError;
 
 use crate::disk;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, world_for_run};
 
 /// The end of the message about a damaged recording.
 const ADVICE: &str = "; `xcscr recording check` lists the faults, `xcscr recording recover` saves the readable part: ";
+
+/// Returns the conversion of an error when reading a recording.
+pub(super) fn unread(path: &Path) -> impl Fn(io::Error) -> Error {
+    move |cause| world_for_run(path).unwrap_or_else(|| disk::cannot_read(path)(cause))
+}
 
 /// Returns the conversion of an error when writing a file, for example because the disk is full.
 /// The data written so far is kept.

@@ -11,7 +11,7 @@ use super::contents::{CONFIG, Contents, PAGE, RULES, WORLD, file_names, is_of_a_
 use super::error;
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, world_for_run};
 use crate::record::RecordingKind;
 use crate::record::resume_hint::{CHECKPOINT, way_to_resume};
 use crate::trial::{CheckpointError, Config, Plan, seal, unseal};
@@ -245,12 +245,12 @@ impl RunFolder {
         let path = self.path.join(name);
         match path.exists() {
             true => Ok(path),
-            false => {
+            false => Err(world_for_run(&self.path).unwrap_or_else(|| {
                 let (path, folder) = (path.display(), self.path.display());
                 let message =
                     format!("{path} is missing: is {folder} the folder of a finished run?");
-                Err(ErrorKind::Missing.error(message))
-            }
+                ErrorKind::Missing.error(message)
+            })),
         }
     }
 

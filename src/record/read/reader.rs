@@ -91,7 +91,7 @@ impl Recording {
     /// # Errors
     /// If the file cannot be read; otherwise as for [`Self::from_bytes`].
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let bytes = disk::read(path, disk::MOST_BYTES).map_err(disk::cannot_read(path))?;
+        let bytes = disk::read(path, disk::MOST_BYTES).map_err(error::unread(path))?;
         let folder = path.parent().filter(|_| is_unfinished(path));
         match folder.and_then(way_to_resume) {
             Some(hint) => {

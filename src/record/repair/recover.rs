@@ -18,7 +18,7 @@ use crate::record::read::reader::Recording;
 /// # Errors
 /// If `input` cannot be read or is not an MCAP file, or `output` cannot be written or read back.
 pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, Error> {
-    let bytes = disk::read(input, disk::MOST_BYTES).map_err(disk::cannot_read(input))?;
+    let bytes = disk::read(input, disk::MOST_BYTES).map_err(error::unread(input))?;
     refuse(input, output, force).map_err(disk::cannot_create(output))?;
     if !bytes.starts_with(MAGIC) {
         return Err(error::foreign(input, &bytes));
