@@ -95,18 +95,18 @@ impl StudyFile {
             return Self::parse(text, &name.display().to_string(), Path::new(""));
         }
         let text = disk::read_text(name, MOST_TOML_BYTES).map_err(|cause| match cause.kind() {
-            io::ErrorKind::NotFound => ErrorKind::Missing.error(format!(
-                "unknown study \"{}\": pass a TOML file or one of: {}",
-                name.display(),
-                shipped::study_names()
-            )),
+            io::ErrorKind::NotFound => missing(name),
             io::ErrorKind::InvalidData | io::ErrorKind::FileTooLarge => {
                 error::file(&name.display().to_string(), cause)
             }
             _ => error::io(name)(cause),
         })?;
-        let folder = name.parent().unwrap_or(Path::new(""));
-        Self::parse(&text, &name.display().to_string(), folder)
+        let (folder, origin) = (name.parent().unwrap_or(Path::new("")), name.display());
+        let parsed = Self::parse(&text, &origin.to_string(), folder);
+        parsed.map_err(|fault| match Maze::from_json(text.as_bytes(), "world") {
+            Ok(_) => ErrorKind::BadData.error(world_for_study(name)),
+            Err(_) => fault,
+        })
     }
 
     /// Parses the text of a study file. Messages name it by `origin`. Paths of worlds are relative
@@ -223,6 +223,28 @@ impl StudyFile {
         };
         entries.into_iter().map(list).collect()
     }
+}
+
+/// Returns the error for a study that is neither a file nor shipped.
+fn missing(name: &Path) -> Error {
+    let shown = name.to_string_lossy();
+    if bundled_world(&shown).is_some() {
+        return ErrorKind::Missing.error(world_for_study(name));
+    }
+    let all = shipped::names().collect::<Vec<_>>().join(", ");
+    let near = similar(&shown, shipped::names());
+    let hint = near.map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+    let message = format!("unknown study \"{shown}\": pass a TOML file or one of: {all}{hint}");
+    ErrorKind::Missing.error(message)
+}
+
+/// Returns the message for a world in the place of a study.
+fn world_for_study(world: &Path) -> String {
+    let world = world.display();
+    format!(
+        "{world} is a world, not a study: a study file (TOML) names its worlds, as in \
+         `worlds = [\"{world}\"]`; `xcscr study keys` lists its keys"
+    )
 }
 
 /// Returns the message of the TOML library. For an unknown key or value, the message is replaced by

@@ -29,8 +29,8 @@ pub fn study(name: &str) -> Option<&'static str> {
 }
 
 /// Returns the names of the shipped studies.
-pub fn study_names() -> String {
-    STUDIES.map(|(name, _)| name).join(", ")
+pub fn names() -> impl Iterator<Item = &'static str> {
+    STUDIES.iter().map(|(name, _)| *name)
 }
 
 #[cfg(test)]
