@@ -1,9 +1,12 @@
 //! `xcscr export`: exports the policy as source code or data.
 
+use std::ffi::OsStr;
 use std::io::Write;
 use std::path::PathBuf;
 
-use clap::builder::TypedValueParser;
+use clap::builder::{PossibleValue, TypedValueParser};
+use clap::error::{ContextKind, ContextValue};
+use clap::{Arg, Command};
 use xcscr::export::{Policy, Provenance, Target};
 
 use super::choices;
@@ -18,7 +21,7 @@ pub struct ExportArgs {
     learned: LearnedArgs,
     /// Format: source code that chooses the same actions as `evaluate`, including the maps of rules
     /// that use maps, or the rules as data.
-    #[arg(long, value_parser = target())]
+    #[arg(long, value_parser = TargetParser)]
     target: Target,
     /// File to write [default: standard output].
     #[arg(short, long, value_name = "FILE")]
@@ -28,8 +31,39 @@ pub struct ExportArgs {
     force: bool,
 }
 
-fn target() -> impl TypedValueParser<Value = Target> {
-    choices::one_of(Target::ALL, Target::name)
+/// Parses a target by its name. For `c`, suggests C99, where likeness alone suggests CSV.
+#[derive(Clone)]
+struct TargetParser;
+
+impl TypedValueParser for TargetParser {
+    type Value = Target;
+
+    fn parse_ref(
+        &self,
+        command: &Command,
+        arg: Option<&Arg>,
+        name: &OsStr,
+    ) -> Result<Target, clap::Error> {
+        let target = Self::names().parse_ref(command, arg, name);
+        target.map_err(|mut error| {
+            if name.eq_ignore_ascii_case("c") {
+                let c99 = ContextValue::String(Target::C99.name().to_owned());
+                error.insert(ContextKind::SuggestedValue, c99);
+            }
+            error
+        })
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        let names = Target::ALL.iter().map(|target| target.name());
+        Some(Box::new(names.map(PossibleValue::new)))
+    }
+}
+
+impl TargetParser {
+    fn names() -> impl TypedValueParser<Value = Target> {
+        choices::one_of(Target::ALL, Target::name)
+    }
 }
 
 /// Exports the policy.
