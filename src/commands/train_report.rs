@@ -189,17 +189,20 @@ impl TrainReport {
         steps.map_or(globally.to_owned(), |steps| format!("{steps}, {globally}"))
     }
 
-    /// Prints where the greedy policy leads if it is not optimal, and what to try.
+    /// Prints where the greedy policy leads if it is not optimal and episodes start in one cell, and
+    /// what to try.
     fn print_failure(&self, trial: &Trial, out: &mut impl Write) -> Result<(), Failure> {
-        let maze = &trial.plan().maze;
-        let Some(path) = trial.greedy_path().filter(|_| !self.retained) else {
+        if self.retained {
             return Ok(());
-        };
-        let paid = rewards_on(&path, maze);
-        write_row(out, "it takes", course(&path, paid, maze))?;
-        if paid > 0 && self.greedy_steps.is_some() {
-            let means = "means a shortest path, regardless of rewards on the way";
-            return Ok(write_row(out, "optimal", means)?);
+        }
+        let maze = &trial.plan().maze;
+        if let Some(path) = trial.greedy_path() {
+            let paid = rewards_on(&path, maze);
+            write_row(out, "it takes", course(&path, paid, maze))?;
+            if paid > 0 && self.greedy_steps.is_some() {
+                let means = "means a shortest path, regardless of rewards on the way";
+                return Ok(write_row(out, "optimal", means)?);
+            }
         }
         if let Some((one, other)) = aliased_cells(trial) {
             let cells = format!("{one} and {other}; `world info` lists all");
