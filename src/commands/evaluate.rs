@@ -3,13 +3,13 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use xcscr::ErrorKind;
 use xcscr::agent::Knowledge;
 use xcscr::arena::ArenaKind;
 use xcscr::disk;
-use xcscr::run::record_evaluation;
+use xcscr::run;
 use xcscr::study::{ConditionResult, Robustness};
 use xcscr::trial::{Evaluation, Plan};
+use xcscr::{Error, ErrorKind};
 
 use super::choices::{self, SettingsArgs};
 use super::failure::Failure;
@@ -73,7 +73,10 @@ impl EvaluateArgs {
 pub fn run(args: &EvaluateArgs, out: &mut impl Write) -> Result<(), Failure> {
     let (plan, knowledge) = args.plan()?;
     if args.robustness {
-        let found = Robustness::run(&plan, &knowledge, args.episodes)?;
+        let interrupt = watch()?;
+        let stop = || interrupt.came();
+        let found = Robustness::run(&plan, &knowledge, args.episodes, &stop);
+        let found = found.map_err(again)?;
         return match args.json {
             true => print_json(&found, out),
             false => print_robustness(&found, &knowledge, out),
@@ -105,14 +108,34 @@ fn evaluate(
     knowledge: &Knowledge,
 ) -> Result<(Evaluation, Option<PathBuf>), Failure> {
     if !args.record {
-        return Ok((Evaluation::run(plan, knowledge, args.episodes)?, None));
+        let interrupt = watch()?;
+        let evaluation = run::evaluate(plan, knowledge, args.episodes, &|| interrupt.came());
+        return Ok((evaluation.map_err(again)?, None));
     }
     let folder = args.out.clone().unwrap_or_else(|| args.learned.beside());
     let interrupt = Interrupt::notice()?;
     let stop = || interrupt.came();
     let into = (folder.as_path(), args.force);
-    let (evaluation, _) = record_evaluation(plan, knowledge, args.episodes, into, &stop)?;
+    let (evaluation, _) = run::record_evaluation(plan, knowledge, args.episodes, into, &stop)?;
     Ok((evaluation, Some(folder)))
+}
+
+/// Watches for signals while nothing is written.
+fn watch() -> Result<Interrupt, Failure> {
+    Interrupt::watch(interrupted)
+}
+
+fn interrupted() -> Failure {
+    let message = "interrupted; run the same command again";
+    Failure::new(ErrorKind::Interrupted, message)
+}
+
+/// Adds what to do to the error of an evaluation.
+fn again(error: Error) -> Failure {
+    match error.kind() {
+        ErrorKind::Interrupted => interrupted(),
+        _ => error.into(),
+    }
 }
 
 fn print_folder(folder: &Path, out: &mut impl Write) -> Result<(), Failure> {

@@ -15,6 +15,36 @@ use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordSummary, Recorder, RecordingKind, RunInfo, RunKind};
 use crate::trial::{Evaluation, Plan, PlanError};
 
+/// Runs `episodes` episodes of the greedy policy of `knowledge`.
+///
+/// # Errors
+/// If the plan is invalid or the knowledge does not fit the world. [`ErrorKind::Interrupted`] if
+/// `stop` returned true after an episode.
+pub fn evaluate(
+    plan: &Plan,
+    knowledge: &Knowledge,
+    episodes: u32,
+    stop: &dyn Fn() -> bool,
+) -> Result<Evaluation, Error> {
+    observe(plan, knowledge, episodes, &mut (), stop)
+}
+
+/// Like [`evaluate`], with an observer.
+pub(crate) fn observe(
+    plan: &Plan,
+    knowledge: &Knowledge,
+    episodes: u32,
+    observer: &mut dyn Observer,
+    stop: &dyn Fn() -> bool,
+) -> Result<Evaluation, Error> {
+    let mut observers = (observer, Until(stop));
+    let evaluation = Evaluation::observed(plan, knowledge, episodes, &mut observers)?;
+    match stop() {
+        true => Err(ErrorKind::Interrupted.error("interrupted")),
+        false => Ok(evaluation),
+    }
+}
+
 /// Runs `episodes` episodes of the greedy policy of `knowledge`, and records all of them in
 /// `folder`, which must be missing or empty. With `force`, the files of an earlier evaluation,
 /// finished or not, are removed, and nothing else.
@@ -95,11 +125,7 @@ pub(super) fn record_drives(
     let limit = config.settings.reward.step_threshold;
     let frozen = Frozen::new(knowledge.clone(), maze.action_count(), limit);
     recorder.warm_start(&frozen, maze);
-    let mut observers = (&mut recorder, &mut Until(stop));
-    let evaluation = Evaluation::observed(&plan, knowledge, episodes, &mut observers)?;
-    if stop() {
-        return Err(ErrorKind::Interrupted.error("interrupted"));
-    }
+    let evaluation = observe(&plan, knowledge, episodes, &mut recorder, stop)?;
     Ok((evaluation, recorder.finish(&frozen)?))
 }
 

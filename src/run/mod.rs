@@ -34,7 +34,8 @@ mod rerun;
 mod untouched;
 mod verify;
 
-pub use evaluation::record_evaluation;
+pub(crate) use evaluation::observe;
+pub use evaluation::{evaluate, record_evaluation};
 pub use external::{ExternalActions, ExternalEpisode, ExternalRecorder, WheelSpeeds};
 pub use folder::RunFolder;
 pub use highlights::{highlights, page};

@@ -6,7 +6,9 @@ use super::statistics::{Interval, Proportion};
 use crate::agent::Knowledge;
 use crate::arena::{ArenaKind, FaultParams, View};
 use crate::episode::{Observer, Step};
-use crate::trial::{Config, Evaluation, Plan, PlanError};
+use crate::error::Error;
+use crate::run;
+use crate::trial::{Config, Plan};
 
 /// What a condition requires of a run.
 #[derive(Debug, Clone, Copy)]
@@ -151,7 +153,14 @@ impl Robustness {
     ///
     /// # Errors
     /// When the plan cannot be run, or the knowledge does not fit the plan.
-    pub fn run(plan: &Plan, knowledge: &Knowledge, episodes: u32) -> Result<Self, PlanError> {
+    /// [`ErrorKind::Interrupted`](crate::ErrorKind::Interrupted) if `stop` returned true after an
+    /// episode.
+    pub fn run(
+        plan: &Plan,
+        knowledge: &Knowledge,
+        episodes: u32,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Self, Error> {
         // The step limit must not differ between conditions.
         let plan = plan.clone().settled();
         let mut found = Self {
@@ -171,7 +180,7 @@ impl Robustness {
                     let mut changed = plan.clone();
                     (condition.change)(&mut changed);
                     let name = condition.name;
-                    let result = ConditionResult::of(name, &changed, knowledge, episodes)?;
+                    let result = ConditionResult::of(name, &changed, knowledge, (episodes, stop))?;
                     found.conditions.push(result);
                 }
             }
@@ -185,10 +194,10 @@ impl ConditionResult {
         condition: &'static str,
         plan: &Plan,
         knowledge: &Knowledge,
-        episodes: u32,
-    ) -> Result<Self, PlanError> {
+        (episodes, stop): (u32, &dyn Fn() -> bool),
+    ) -> Result<Self, Error> {
         let mut mislocalised = Mislocalised::default();
-        let evaluation = Evaluation::observed(plan, knowledge, episodes, &mut mislocalised)?;
+        let evaluation = run::observe(plan, knowledge, episodes, &mut mislocalised, stop)?;
         let proportion = Proportion::new(evaluation.successes.into(), episodes.into());
         Ok(Self {
             condition,

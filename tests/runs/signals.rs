@@ -76,6 +76,19 @@ fn an_episode_without_end_is_left_after_a_signal_and_a_second_one_ends_at_once()
 }
 
 #[test]
+fn an_evaluation_ends_after_a_signal_like_a_recorded_one() {
+    let desk = Desk::new();
+    desk.train("run", "maze4 --arena grid --episodes 20 --record none");
+    for more in ["", "--robustness"] {
+        let line = format!("evaluate @run --arena physics --episodes 100000 {more}");
+        let child = signalled(&desk, &line, &["TERM"]);
+        let (stdout, stderr) = end_of(child, 75, &line);
+        assert_eq!(stdout, "", "{line}");
+        assert!(stderr.contains("run the same command again"), "{stderr}");
+    }
+}
+
+#[test]
 fn a_study_leaves_a_trial_without_end_after_a_signal_and_ends_at_once_after_a_second_one() {
     let desk = Desk::new();
     write_winding_world(&desk);
