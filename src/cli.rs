@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::commands::config::{self, ConfigCommand};
@@ -94,6 +94,12 @@ pub enum Command {
 }
 
 impl Cli {
+    /// Parses the arguments of this process.
+    pub fn of_arguments() -> Result<Self, clap::Error> {
+        let mut matches = with_negative_numbers(Self::command()).try_get_matches()?;
+        Self::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut Self::command()))
+    }
+
     /// Runs the chosen subcommand; results go to `out`.
     pub fn run(self, out: &mut impl Write) -> Result<(), Failure> {
         match self.command {
@@ -115,6 +121,17 @@ impl Cli {
         }
         Ok(out.flush()?)
     }
+}
+
+/// Passes negative numbers to all options, whose own parsers say which values they accept.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let option = |arg: Arg| match arg.get_long().is_some() && arg.get_action().takes_values() {
+        true => arg.allow_negative_numbers(true),
+        false => arg,
+    };
+    command
+        .mut_args(option)
+        .mut_subcommands(with_negative_numbers)
 }
 
 /// Prints the completions for a shell.

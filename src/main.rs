@@ -8,7 +8,6 @@ mod commands;
 use std::panic::catch_unwind;
 use std::process::ExitCode;
 
-use clap::Parser;
 use clap::error::ErrorKind as Refusal;
 
 use cli::Cli;
@@ -22,7 +21,7 @@ fn main() -> ExitCode {
     if let Err(error) = limits_are_errors() {
         return Failure::from(error).report();
     }
-    let cli = match Cli::try_parse() {
+    let cli = match Cli::of_arguments() {
         Ok(cli) => cli,
         Err(refusal) => return answer(&refusal),
     };

@@ -1,6 +1,7 @@
 //! Command-line arguments that several commands share.
 
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use xcscr::ErrorKind;
@@ -28,6 +29,12 @@ pub fn one_of<T: Copy + Send + Sync + 'static>(
 /// Parses the root seed of all random streams.
 pub fn seed(text: &str) -> Result<u64, String> {
     let fault = |_| format!("a seed is a whole number from 0 to {}", u64::MAX);
+    text.parse().map_err(fault)
+}
+
+/// Parses a number of episodes or trials, whose range the plan or the study checks.
+pub fn count<T: FromStr>(text: &str) -> Result<T, String> {
+    let fault = |_| "expected a whole number from 1 to 1000000".to_owned();
     text.parse().map_err(fault)
 }
 

@@ -30,7 +30,7 @@ pub struct EvaluateArgs {
     #[arg(long, default_value_t = 100, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     episodes: u32,
     /// Root seed of start cells and noise.
-    #[arg(long, default_value_t = 1, value_name = "S")]
+    #[arg(long, default_value_t = 1, value_name = "S", value_parser = choices::seed)]
     seed: u64,
     #[command(flatten)]
     settings: SettingsArgs,

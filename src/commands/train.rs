@@ -52,10 +52,10 @@ pub struct TrainArgs {
     #[arg(long, value_parser = choices::sensor())]
     sensor: Option<Sensor>,
     /// Number of episodes.
-    #[arg(long, default_value_t = 180, value_name = "N")]
+    #[arg(long, default_value_t = 180, value_name = "N", value_parser = choices::count::<u32>)]
     episodes: u32,
     /// Root seed of all random streams. The same seed gives the same bytes.
-    #[arg(long, default_value_t = 1, value_name = "S", value_parser = choices::seed, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1, value_name = "S", value_parser = choices::seed)]
     seed: u64,
     /// Folder of the run [default: recordings/<world>-<method>-<arena>-s<seed>].
     #[arg(long, value_name = "DIR")]

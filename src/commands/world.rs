@@ -67,7 +67,7 @@ pub struct GenerateArgs {
     #[arg(long, value_name = "N")]
     size: u16,
     /// Seed. The same seed gives the same maze.
-    #[arg(long, default_value_t = 1, value_name = "S")]
+    #[arg(long, default_value_t = 1, value_name = "S", value_parser = choices::seed)]
     seed: u64,
 }
 

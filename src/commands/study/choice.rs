@@ -15,13 +15,13 @@ pub(super) struct ChoiceArgs {
     /// name lists them all).
     study: PathBuf,
     /// Trials of each method in each world.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = choices::count::<usize>)]
     trials: Option<usize>,
     /// Episodes of each trial.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = choices::count::<u32>)]
     episodes: Option<u32>,
     /// Root seed of all trials.
-    #[arg(long, value_name = "S", value_parser = choices::seed, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = choices::seed)]
     seed: Option<u64>,
     /// Arena to use instead of the study's.
     #[arg(long, value_parser = choices::arena())]
