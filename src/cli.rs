@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 
@@ -96,7 +97,8 @@ pub enum Command {
 impl Cli {
     /// Parses the arguments of this process.
     pub fn of_arguments() -> Result<Self, clap::Error> {
-        let mut matches = with_negative_numbers(Self::command()).try_get_matches()?;
+        let matches = with_negative_numbers(Self::command()).try_get_matches();
+        let mut matches = matches.map_err(with_places)?;
         Self::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut Self::command()))
     }
 
@@ -132,6 +134,33 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
     command
         .mut_args(option)
         .mut_subcommands(with_negative_numbers)
+}
+
+/// Adds where a subcommand exists that was called in another place, such as `check`.
+fn with_places(mut error: clap::Error) -> clap::Error {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
+        return error;
+    };
+    let places = places_of(word, &Cli::command(), "xcscr");
+    if !places.is_empty() {
+        let tip = format!("use {}", places.join(", or "));
+        error.insert(
+            ContextKind::Suggested,
+            ContextValue::StyledStrs(vec![tip.into()]),
+        );
+    }
+    error
+}
+
+/// Returns the command lines below `command` that end with this subcommand.
+fn places_of(word: &str, command: &clap::Command, line: &str) -> Vec<String> {
+    let subcommands = command.get_subcommands().flat_map(|subcommand| {
+        let name = subcommand.get_name();
+        let line = format!("{line} {name}");
+        let here = (name == word).then(|| format!("`{line}`"));
+        here.into_iter().chain(places_of(word, subcommand, &line))
+    });
+    subcommands.collect()
 }
 
 /// Prints the completions for a shell.
