@@ -4,14 +4,16 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use serde::de::IgnoredAny;
 use xcscr::ErrorKind;
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::disk;
 use xcscr::run::{RunFolder, Source};
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Resolved, RobotProfile, Settings};
-use xcscr::world::Maze;
+use xcscr::study::StudyFile;
+use xcscr::trial::{Resolved, RobotProfile, Settings, SettingsError};
+use xcscr::world::{Maze, WorldError};
 
 use super::failure::Failure;
 
@@ -87,13 +89,49 @@ impl SettingsArgs {
         let robot = self.robot.as_deref().map(RobotProfile::load).transpose()?;
         let file = name.as_deref().zip(text.as_deref());
         let files: Vec<_> = file.into_iter().collect();
-        Ok(Resolved::with_robot(
-            base,
-            robot.as_ref(),
-            &files,
-            &self.set,
-        )?)
+        let resolved = Resolved::with_robot(base, robot.as_ref(), &files, &self.set);
+        resolved.map_err(|error| match (error, file) {
+            (SettingsError::Syntax { .. }, Some((name, text))) if is_json(text) => {
+                let message = format!(
+                    "{name} is JSON, not a settings file: `--config` takes a TOML file, such as \
+                     `xcscr config show` prints"
+                );
+                Failure::new(ErrorKind::BadData, message)
+            }
+            (error, _) => error.into(),
+        })
     }
+}
+
+fn is_json(text: &str) -> bool {
+    serde_json::from_str::<IgnoredAny>(text).is_ok()
+}
+
+/// Loads a world file by its path, or else a bundled world by its name. If the path is another kind
+/// of input, the message says which.
+pub fn world(path: &Path) -> Result<Maze, Failure> {
+    Maze::find(path).map_err(|error| {
+        let typed = disk::typed(path);
+        let is_study = || StudyFile::load(path).is_ok();
+        let is_run = || RunFolder::open(path).plan().is_ok();
+        match error {
+            WorldError::Missing { .. } if is_study() => {
+                let message = format!(
+                    "{typed} is a study, not a world: run it with `xcscr study run {typed}`"
+                );
+                Failure::new(ErrorKind::Missing, message)
+            }
+            WorldError::Unreadable { .. } if is_run() => {
+                let file = disk::typed(&path.join("world.json"));
+                let message = format!(
+                    "{typed} is the folder of a run, not a world: resume an interrupted run with \
+                     `xcscr train --resume {typed}`, or give the run's world, {file}"
+                );
+                Failure::new(ErrorKind::BadData, message)
+            }
+            error => error.into(),
+        }
+    })
 }
 
 /// The most bytes that are read of a file of rules. This exceeds the largest population.

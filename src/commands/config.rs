@@ -11,7 +11,6 @@ use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
 use xcscr::trial::{ReadBy, Resolved, Scope, Settings};
-use xcscr::world::Maze;
 
 use super::choices::{self, SettingsArgs};
 use super::failure::Failure;
@@ -83,7 +82,7 @@ pub fn run(command: &ConfigCommand, out: &mut impl Write) -> Result<(), Failure>
     let ConfigCommand::Show(args) = command;
     let resolved = args.settings.resolve(&Settings::default())?;
     let resolved = match &args.world {
-        Some(world) => resolved.in_maze(&Maze::find(world)?),
+        Some(world) => resolved.in_maze(&choices::world(world)?),
         None => resolved,
     };
     let scope = args.scope(&resolved.settings);

@@ -7,8 +7,8 @@ use xcscr::ErrorKind;
 use xcscr::drive::{DriveOptions, DriveSetup, Driver, DriverOptions, Fault, Frames};
 use xcscr::record::DriveRecording;
 use xcscr::trial::RobotProfile;
-use xcscr::world::Maze;
 
+use super::choices;
 use super::failure::Failure;
 use super::learned;
 use super::node::{self, NodeArgs};
@@ -75,7 +75,7 @@ impl DriveArgs {
         }
         let options = DriveOptions {
             robot: self.robot.as_deref().map(RobotProfile::load).transpose()?,
-            world: self.world.as_deref().map(Maze::find).transpose()?,
+            world: self.world.as_deref().map(choices::world).transpose()?,
             start: self.start,
             laser: self.laser,
             frames,

@@ -8,7 +8,6 @@ use xcscr::arena::ArenaKind;
 use xcscr::run::{RunFolder, Source};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Config, Plan, Settings};
-use xcscr::world::Maze;
 
 use super::choices;
 use super::failure::Failure;
@@ -72,7 +71,7 @@ impl LearnedArgs {
             of_run(&self.run, is_file)?
         };
         if let Some(world) = &self.world {
-            plan.maze = Maze::find(world)?;
+            plan.maze = choices::world(world)?;
         }
         plan.config.sensor = self.sensor.unwrap_or(plan.config.sensor);
         Ok((plan, knowledge))
@@ -102,7 +101,7 @@ impl LearnedArgs {
             settings: Settings::default(),
             initial: None,
         };
-        let maze = Maze::find(world)?;
+        let maze = choices::world(world)?;
         Ok(Plan { maze, config })
     }
 }

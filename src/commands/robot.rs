@@ -9,6 +9,7 @@ use xcscr::sensor::Sensor;
 use xcscr::trial::{Plan, PlanError, RobotProfile, Settings};
 use xcscr::world::Maze;
 
+use super::choices;
 use super::failure::Failure;
 use super::terminal::write_words;
 
@@ -41,7 +42,10 @@ pub fn run(command: &RobotCommand, out: &mut impl Write) -> Result<(), Failure> 
         RobotCommand::Show { robot } => show(&RobotProfile::load(robot)?, out),
         RobotCommand::Check { robot, world } => {
             let profile = RobotProfile::load(robot)?;
-            let maze = world.as_ref().map(|file| Maze::find(file)).transpose()?;
+            let maze = world
+                .as_ref()
+                .map(|file| choices::world(file))
+                .transpose()?;
             check(&profile, maze, out)
         }
     }

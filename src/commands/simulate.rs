@@ -53,7 +53,7 @@ fn factor(text: &str) -> Result<f64, String> {
 
 /// Simulates until Ctrl-C.
 pub fn run(args: &SimulateArgs) -> Result<(), Failure> {
-    let maze = Maze::find(&args.world)?;
+    let maze = choices::world(&args.world)?;
     let settings = args.settings.resolve(&Settings::default())?.settings;
     let robot = SimulatedRobot::new(maze.clone(), &settings.physics, args.seed, args.start);
     let mut robot = robot.map_err(|error| Failure::new(ErrorKind::BadData, error.to_string()))?;

@@ -11,7 +11,6 @@ use xcscr::record::RecordMode;
 use xcscr::run::{Finished, Resumed, RunFolder, Session};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Config, Plan, Settings, Trial};
-use xcscr::world::Maze;
 
 use super::choices::{self, SettingsArgs};
 use super::failure::Failure;
@@ -95,7 +94,7 @@ impl TrainArgs {
     fn plan(&self) -> Result<Plan, Failure> {
         let resolved = self.settings.resolve(&Settings::default())?;
         // The command line requires a world without `--resume`.
-        let maze = Maze::find(self.world.as_deref().unwrap_or(Path::new("")))?;
+        let maze = choices::world(self.world.as_deref().unwrap_or(Path::new("")))?;
         let config = Config {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             method: self.method,

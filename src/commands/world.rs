@@ -76,7 +76,7 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
     match command {
         WorldCommand::Check { files } => check(&files, out),
         WorldCommand::Show { file } => {
-            let maze = Maze::find(&file)?;
+            let maze = choices::world(&file)?;
             Ok(write!(out, "{}", maze.drawn(|_| None))?)
         }
         WorldCommand::Generate(GenerateArgs { kind, size, seed }) => {
@@ -92,7 +92,7 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
             sensor,
             slip,
         } => {
-            let maze = Maze::find(&file)?;
+            let maze = choices::world(&file)?;
             let description = Description {
                 bounds: bounds.then(|| Bounds::new(&maze, sensor, slip)),
                 ..Description::new(&maze)
@@ -107,11 +107,11 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
 
 fn check(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
     if let [file] = files {
-        return Ok(write_words(out, &summary(file, &Maze::find(file)?))?);
+        return Ok(write_words(out, &summary(file, &choices::world(file)?))?);
     }
     let mut failures: Vec<ErrorKind> = Vec::new();
     for file in files {
-        match Maze::find(file).map_err(Failure::from) {
+        match choices::world(file) {
             Ok(maze) => write_words(out, &summary(file, &maze))?,
             Err(failure) => {
                 failure.print();
