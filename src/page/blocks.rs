@@ -93,49 +93,37 @@ impl Table {
         (0..self.header.len()).map(width).collect()
     }
 
-    /// Returns true if every cell of the column begins with a digit. Such columns are
-    /// right-aligned. The first column never is.
-    pub fn is_number(&self, column: usize) -> bool {
-        let numeric = |cell: &str| {
+    /// Returns for each column whether every cell begins with a digit. Such columns are
+    /// right-aligned. The first column never is. Reads every cell: call it once per table.
+    pub fn numbers(&self) -> Vec<bool> {
+        let numeric = |cell: &String| {
             let bare = cell.trim_start_matches(['+', '-', '−', '<', ' ', '–']);
             bare.is_empty() || bare.starts_with(|c: char| c.is_ascii_digit())
         };
-        column > 0 && self.rows.iter().all(|row| numeric(&row[column]))
-    }
-
-    fn line(&self, row: &[String], widths: &[usize], gap: &str) -> String {
-        let cell = |(column, text): (usize, &String)| {
-            let width = widths[column];
-            match self.is_number(column) {
-                true => format!("{text:>width$}"),
-                false => format!("{text:<width$}"),
-            }
-        };
-        let cells: Vec<String> = row.iter().enumerate().map(cell).collect();
-        cells.join(gap)
+        let is_number = |column| column > 0 && self.rows.iter().all(|row| numeric(&row[column]));
+        (0..self.header.len()).map(is_number).collect()
     }
 
     fn markdown(&self) -> String {
-        let widths = self.widths();
-        let rule: Vec<String> = widths
-            .iter()
-            .enumerate()
-            .map(|(column, &width)| {
-                let dashes = "-".repeat(width.saturating_sub(1));
-                if self.is_number(column) {
-                    dashes + ":"
-                } else {
-                    ":".to_owned() + &dashes
-                }
-            })
-            .collect();
+        let columns = Columns {
+            widths: self.widths(),
+            numbers: self.numbers(),
+        };
+        let rule = |(&width, &is_number): (&usize, &bool)| {
+            let dashes = "-".repeat(width.saturating_sub(1));
+            match is_number {
+                true => dashes + ":",
+                false => ":".to_owned() + &dashes,
+            }
+        };
+        let rules = columns.widths.iter().zip(&columns.numbers).map(rule);
         let mut text = format!(
             "| {} |\n| {} |\n",
-            self.line(&self.header, &widths, " | "),
-            rule.join(" | ")
+            columns.line(&self.header, " | "),
+            rules.collect::<Vec<_>>().join(" | ")
         );
         for row in &self.rows {
-            let _ = writeln!(text, "| {} |", self.line(row, &widths, " | "));
+            let _ = writeln!(text, "| {} |", columns.line(row, " | "));
         }
         text
     }
@@ -155,9 +143,7 @@ impl Table {
             return vec![self.clone()];
         }
         let columns = self.header.len();
-        let keys = (0..columns)
-            .take_while(|&column| !self.is_number(column))
-            .count();
+        let keys = self.numbers().iter().take_while(|number| !**number).count();
         let mut widths = self.widths();
         let surplus = across(&widths[..keys]).saturating_sub(COLUMNS / 2);
         if let Some(widest) = (0..keys).max_by_key(|&column| widths[column]) {
@@ -193,12 +179,16 @@ impl Table {
     }
 
     fn whole_text(&self) -> String {
-        let widths = self.fitted();
-        let rule = "-".repeat(across(&widths));
-        let header = self.line(&self.header, &widths, "  ");
+        let columns = Columns {
+            widths: self.fitted(),
+            numbers: self.numbers(),
+        };
+        let rule = "-".repeat(across(&columns.widths));
+        let header = columns.line(&self.header, "  ");
         let mut text = format!("{}\n{rule}\n", header.trim_end());
-        for row in self.rows.iter().flat_map(|row| broken(row, &widths)) {
-            let _ = writeln!(text, "{}", self.line(&row, &widths, "  ").trim_end());
+        let rows = self.rows.iter();
+        for row in rows.flat_map(|row| broken(row, &columns.widths)) {
+            let _ = writeln!(text, "{}", columns.line(&row, "  ").trim_end());
         }
         text
     }
@@ -208,7 +198,8 @@ impl Table {
     fn fitted(&self) -> Vec<usize> {
         let mut widths = self.widths();
         let surplus = across(&widths).saturating_sub(COLUMNS);
-        let words = (0..widths.len()).filter(|&column| !self.is_number(column));
+        let numbers = self.numbers();
+        let words = (0..widths.len()).filter(|&column| !numbers[column]);
         if let Some(widest) = words.max_by_key(|&column| widths[column]) {
             let least = NARROWEST.max(self.header[widest].chars().count());
             let narrowed = widths[widest].saturating_sub(surplus);
@@ -217,6 +208,28 @@ impl Table {
             }
         }
         widths
+    }
+}
+
+/// How the columns of a table are laid out.
+struct Columns {
+    widths: Vec<usize>,
+    /// Whether a column is right-aligned.
+    numbers: Vec<bool>,
+}
+
+impl Columns {
+    /// Aligns the cells of a row and joins them by `gap`.
+    fn line(&self, row: &[String], gap: &str) -> String {
+        let cell = |(column, text): (usize, &String)| {
+            let width = self.widths[column];
+            match self.numbers[column] {
+                true => format!("{text:>width$}"),
+                false => format!("{text:<width$}"),
+            }
+        };
+        let cells: Vec<String> = row.iter().enumerate().map(cell).collect();
+        cells.join(gap)
     }
 }
 

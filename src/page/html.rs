@@ -51,9 +51,10 @@ pub fn html(title: &str, blocks: &[Block]) -> String {
 }
 
 fn table(table: &Table) -> String {
+    let numbers = table.numbers();
     let cells = |tag: &str, row: &[String]| {
         let cell = |(column, text): (usize, &String)| {
-            let class = match table.is_number(column) {
+            let class = match numbers[column] {
                 true => " class=\"number\"",
                 false => "",
             };
