@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::model::coverage::Coverage;
 use crate::agent::model::tally::{Tally, verdict};
 use crate::agent::power;
 use xcs::Condition;
@@ -12,6 +11,9 @@ use xcs::Percept;
 
 /// The exponent of a candidate's weight as a function of its share of predicted bumps.
 const EMPHASIS: u32 = 8;
+
+/// The maximum width of percepts with candidates of two alleles. Wider ones would have too many pairs.
+const WIDEST_FOR_PAIRS: usize = 64;
 
 /// A condition that may predict a collision.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -31,9 +33,6 @@ pub(in crate::agent) struct Bumps {
     version: u64,
     /// The lead of bumps or moves in a percept that is required for a verdict.
     margin: u32,
-    /// The evidence by condition; counted when the first candidates are created.
-    #[serde(skip)]
-    coverage: Option<Coverage>,
 }
 
 impl Bumps {
@@ -63,9 +62,6 @@ impl Bumps {
             false => tally.misses += 1,
         }
         let after = verdict(*tally, self.margin);
-        if let Some(coverage) = self.coverage.as_mut().filter(|_| after != before) {
-            coverage.change(percept, before, after);
-        }
         let changes = after != before && self.re_evaluate(percept, before, after);
         self.version += u64::from(changes);
         changes
@@ -78,7 +74,6 @@ impl Bumps {
             return;
         }
         self.version += 1;
-        self.coverage = None;
         let evidence = self.evidence.clone();
         for (percept, &tally) in &evidence {
             self.recount(percept, verdict(tally, before), verdict(tally, margin));
@@ -150,17 +145,18 @@ impl Bumps {
         if predicted.any(|condition| condition.matches(percept)) {
             return false;
         }
-        let Self {
-            evidence,
-            margin,
-            coverage,
-            ..
-        } = self;
-        let coverage =
-            coverage.get_or_insert_with(|| Coverage::of(percept.width(), evidence, *margin));
-        let new = coverage.conditions(percept);
-        let new = new.map(|(condition, tally)| Candidate { condition, tally });
+        let old = self.candidates.len();
+        let new = pairs(percept.width()).map(|alleles| Candidate {
+            condition: Condition::of_alleles(percept, alleles),
+            tally: Tally::default(),
+        });
         self.candidates.extend(new);
+        for (met, &tally) in &self.evidence {
+            let verdict = verdict(tally, self.margin);
+            let new = self.candidates[old..].iter_mut();
+            new.filter(|candidate| candidate.condition.matches(met))
+                .for_each(|candidate| candidate.tally.add(verdict));
+        }
         true
     }
 
@@ -171,4 +167,13 @@ impl Bumps {
             .retain(|candidate| candidate.tally.is_accurate());
         self.candidates.len() < before
     }
+}
+
+/// Returns all pairs of alleles, including each allele with itself.
+fn pairs(width: usize) -> impl Iterator<Item = [usize; 2]> {
+    let second = move |first| match width > WIDEST_FOR_PAIRS {
+        true => first..first + 1,
+        false => first..width,
+    };
+    (0..width).flat_map(move |first| second(first).map(move |second| [first, second]))
 }

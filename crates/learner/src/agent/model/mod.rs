@@ -2,7 +2,6 @@
 
 pub(super) mod bumps;
 pub(super) mod collision_rules;
-mod coverage;
 mod generalisation;
 mod outcomes;
 pub mod pomdp;
