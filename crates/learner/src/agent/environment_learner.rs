@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::agent::Params;
 use crate::agent::explorer::exploit;
 use crate::agent::model::transitions::{Transition, Transitions};
-use crate::agent::planner::sweeping::{PlannedValues, Saved};
+use crate::agent::planner::sweeping::PlannedValues;
 use crate::agent::policy::RulePolicy;
 use crate::agent::saved::{self, RestoreError};
 use xcs::bounds::{OutOfRange, within};
@@ -91,8 +91,7 @@ struct Progress {
 /// The learned state of the model, both plans and the rules.
 type State = (
     Transitions,
-    [Saved; 2],
-    Vec<usize>,
+    [PlannedValues; 2],
     (Learned, LabelledExamples),
     Progress,
 );
@@ -259,8 +258,7 @@ impl EnvironmentLearner {
     pub fn checkpoint(&self) -> Vec<u8> {
         saved::bytes_of(&(
             &self.memory,
-            [self.known.kept(), self.promised.kept()],
-            self.known.touched(),
+            [&self.known, &self.promised],
             self.rules.state(),
             &self.progress,
         ))
@@ -271,16 +269,14 @@ impl EnvironmentLearner {
     /// # Errors
     /// The state is damaged, or is from a learner with other arguments. Then nothing changes.
     pub fn restore(&mut self, saved: &[u8]) -> Result<(), RestoreError> {
-        let (memory, [known, promised], touched, rules, progress): State = saved::read(saved)?;
+        let (memory, [known, promised], rules, progress): State = saved::read(saved)?;
         let mut other = self.clone();
         (other.memory, other.progress) = (memory, progress);
         other.require();
         other.assume();
-        let fits = other.is_sound()
-            && other.known.resume(known, &other.memory)
-            && other.known.resume_touched(touched)
-            && other.promised.resume(promised, &other.memory)
-            && other.rules.resume(rules, other.memory.percepts());
+        other.known = known.resumed(&other.known, &other.memory);
+        other.promised = promised.resumed(&other.promised, &other.memory);
+        let fits = other.is_sound() && other.rules.resume(rules, other.memory.percepts());
         if !fits {
             return Err(RestoreError::Foreign);
         }
@@ -292,7 +288,9 @@ impl EnvironmentLearner {
     fn is_sound(&self) -> bool {
         let is_reward = |value: &f64| value.abs() <= GREATEST_REWARD;
         let (progress, memory) = (&self.progress, &self.memory);
+        let mut plans = [&self.known, &self.promised].into_iter();
         memory.is_sound()
+            && plans.all(|plan| plan.is_sound(memory))
             && progress.rewards.iter().all(is_reward)
             && progress.best_seen.is_none_or(f64::is_finite)
             && is_reward(&progress.step)

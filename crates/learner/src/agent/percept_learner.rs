@@ -47,6 +47,9 @@ pub struct PerceptLearner {
     heading: Option<Action>,
 }
 
+/// The learned state of model and planner.
+type State = (Transitions, PlannedValues, CollisionRules, Exploration);
+
 /// A step of the episode.
 #[derive(Debug, Clone, Copy)]
 struct Taken {
@@ -127,20 +130,20 @@ impl PerceptLearner {
     /// # Errors
     /// When the bytes are damaged.
     pub fn resume(&mut self, saved: &[u8]) -> Result<bool, RestoreError> {
-        let (of_policy, of_model, of_exploration) = saved::read(saved)?;
-        let (rules, known, collisions, exploration);
-        (rules, self.stream) = of_policy;
-        (self.memory, known) = of_model;
-        (collisions, exploration) = of_exploration;
+        let (rules, stream, learned) = saved::read(saved)?;
+        let (memory, known, collisions, exploration): State = learned;
+        self.known = known.resumed(&self.known, &memory);
+        self.collisions = collisions.with_settings_of(&self.collisions);
+        self.exploration = exploration.with_settings_of(&self.exploration);
+        (self.memory, self.stream) = (memory, stream);
         let policy = match (&mut self.rules, rules) {
             (Some(own), Some(rules)) => own.resume(rules, self.memory.percepts()),
             (own, rules) => own.is_none() && rules.is_none(),
         };
-        self.exploration.resume(exploration);
         Ok(policy
             && self.memory.is_sound()
-            && self.known.resume(known, &self.memory)
-            && self.collisions.resume(collisions))
+            && self.known.is_sound(&self.memory)
+            && self.collisions.is_sound())
     }
 
     /// Learns from the last step, given the next percept.
@@ -351,9 +354,14 @@ impl Agent for PerceptLearner {
 
     fn checkpoint(&self) -> Vec<u8> {
         saved::bytes_of(&(
-            (self.rules.as_ref().map(RulePolicy::state), &self.stream),
-            (&self.memory, self.known.kept()),
-            (self.collisions.kept(), self.exploration.kept()),
+            self.rules.as_ref().map(RulePolicy::state),
+            &self.stream,
+            (
+                &self.memory,
+                &self.known,
+                &self.collisions,
+                &self.exploration,
+            ),
         ))
     }
 }

@@ -13,6 +13,8 @@
 //! hold for every other one after a rotation (rotational symmetry). Such rules compete with those of each
 //! action. Where they do not hold, moves soon refute them.
 
+use serde::{Deserialize, Serialize};
+
 use crate::agent::model::CollisionRule;
 use crate::agent::model::bumps::Bumps;
 use crate::agent::model::tally::Tally;
@@ -24,12 +26,15 @@ use xcs::{Action, ByAction, Percept};
 const CERTAIN: f64 = 0.5;
 
 /// The rules for all actions.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(in crate::agent) struct CollisionRules {
+    #[serde(skip)]
     count: usize,
     /// The number of bits of the percept that form a ring around the robot; 0 if none do.
+    #[serde(skip)]
     ring: usize,
     /// The exponent applied to a forecast.
+    #[serde(skip)]
     certainty: u32,
     /// Rules for single actions.
     actions: ByAction<Bumps>,
@@ -63,14 +68,17 @@ impl CollisionRules {
         }
     }
 
-    /// Returns the learned state.
-    pub fn kept(&self) -> (&ByAction<Bumps>, &Bumps) {
-        (&self.actions, &self.rotated)
+    /// Returns the rule set with the settings of another.
+    pub fn with_settings_of(self, other: &Self) -> Self {
+        Self {
+            actions: self.actions,
+            rotated: self.rotated,
+            ..*other
+        }
     }
 
-    /// Restores a learned state. Returns `false` if its counts leave no room for further counting.
-    pub fn resume(&mut self, (actions, rotated): (ByAction<Bumps>, Bumps)) -> bool {
-        (self.actions, self.rotated) = (actions, rotated);
+    /// Returns true if the counts leave room for more.
+    pub fn is_sound(&self) -> bool {
         let mut all = self.actions.iter().chain([&self.rotated]);
         all.all(Bumps::is_sound)
     }

@@ -3,8 +3,11 @@
 //! An example is "an action is undone by the one half a turn further". Whether such a rule holds, and for
 //! which turn, is estimated from counts. Where it holds, the way back need not be tried in every cell.
 
+use serde::{Deserialize, Serialize};
+
 use crate::agent::model::ReturnRule;
 use crate::agent::model::slips::Slips;
+use crate::agent::model::tally::Tally;
 use crate::agent::model::transitions::Transitions;
 use xcs::{Action, ByAction};
 
@@ -12,20 +15,18 @@ use xcs::{Action, ByAction};
 const LEAST_HITS: u32 = 2;
 /// ... if they are at least this share of its trials.
 const LEAST_ACCURACY: f64 = 0.9;
-/// The maximum count in files, which leaves room for further counting.
-const MOST_COUNTED: u32 = u32::MAX / 4;
 
 /// For each turn from one action to the next, how often it led back.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(in crate::agent) struct ReturnRules {
+    #[serde(skip)]
     actions: usize,
-    /// By turn: how often it led back, and how often elsewhere.
-    counts: Counts,
+    /// By turn: how often it led back (hits), and how often elsewhere (misses).
+    counts: ByAction<Tally>,
     /// The least share of successes of a rule that is used.
+    #[serde(skip)]
     least_accuracy: f64,
 }
-
-pub(in crate::agent) type Counts = ByAction<[u32; 2]>;
 
 impl ReturnRules {
     /// Creates an untrained rule set for `actions` actions.
@@ -40,7 +41,8 @@ impl ReturnRules {
     /// Adds rules from another world.
     pub fn bring(&mut self, rules: &[ReturnRule]) {
         for rule in rules {
-            self.counts[rule.turn.index()] = [rule.hits, rule.misses];
+            let (hits, misses) = (rule.hits, rule.misses);
+            self.counts[rule.turn.index()] = Tally { hits, misses };
         }
     }
 
@@ -49,15 +51,16 @@ impl ReturnRules {
         self.least_accuracy = LEAST_ACCURACY * slips.intended() * slips.intended();
     }
 
-    /// Returns the learned counts.
-    pub fn kept(&self) -> Counts {
-        self.counts
+    /// Returns the learned counts of this set for `actions` actions and these slips.
+    pub fn resumed(self, actions: usize, slips: Slips) -> Self {
+        let mut resumed = Self { actions, ..self };
+        resumed.allow(slips);
+        resumed
     }
 
-    /// Restores learned counts. Returns `false` if they leave no room for further counting.
-    pub fn resume(&mut self, counts: Counts) -> bool {
-        self.counts = counts;
-        counts.iter().flatten().all(|&count| count <= MOST_COUNTED)
+    /// Returns true if the counts leave room for more.
+    pub fn is_sound(&self) -> bool {
+        self.counts.iter().all(|tally| tally.is_sound())
     }
 
     /// Learns whether `next`, executed right after a move by `first`, led back. Returns true if the set
@@ -65,7 +68,7 @@ impl ReturnRules {
     pub fn learn(&mut self, first: Action, next: Action, back: bool) -> bool {
         let turn = turn(first, next, self.actions);
         let before = self.is_used(self.counts[turn]);
-        self.counts[turn][usize::from(!back)] += 1;
+        self.counts[turn].add(Some(back));
         self.is_used(self.counts[turn]) != before
     }
 
@@ -95,10 +98,10 @@ impl ReturnRules {
     pub fn rules(&self) -> impl Iterator<Item = ReturnRule> {
         let turns = Action::all(self.actions).zip(self.counts.iter());
         let used = turns.filter(|&(_, &count)| self.is_used(count));
-        used.map(|(turn, &[hits, misses])| ReturnRule { turn, hits, misses })
+        used.map(|(turn, &Tally { hits, misses })| ReturnRule { turn, hits, misses })
     }
 
-    fn is_used(&self, [hits, misses]: [u32; 2]) -> bool {
+    fn is_used(&self, Tally { hits, misses }: Tally) -> bool {
         hits >= LEAST_HITS && f64::from(hits) >= self.least_accuracy * f64::from(hits + misses)
     }
 }

@@ -4,6 +4,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::agent::model::collision_rules::CollisionRules;
 use crate::agent::model::transitions::Transitions;
 use crate::agent::params::Params;
@@ -26,15 +28,20 @@ pub(in crate::agent) struct Model<'a> {
 /// Searches forward from the present percept. An untried action is assumed to lead straight to the
 /// goal, unless a collision or a return is predicted. The path found is followed until something
 /// new is learned.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(in crate::agent) struct Exploration {
+    #[serde(skip)]
     actions: usize,
     /// The optimistic value of an untried action above the floor, and the value of an action that
     /// collides. A certain collision is never worth trying.
+    #[serde(skip)]
     goal: f64,
+    #[serde(skip)]
     collision: f64,
+    #[serde(skip)]
     step: f64,
     /// The rest of the path, next step last.
+    #[serde(skip)]
     path: Vec<(usize, Action)>,
     /// Counts changes of the model that may change an optimistic value, from 1.
     version: u64,
@@ -42,7 +49,9 @@ pub(in crate::agent) struct Exploration {
     exhausted: Vec<u64>,
     /// By percept: the optimistic values of its untried actions, and the version that they were
     /// computed in.
+    #[serde(skip)]
     forecasts: Vec<(u64, [f64; MAX_ACTIONS])>,
+    #[serde(skip)]
     search: Search,
 }
 
@@ -82,15 +91,13 @@ impl Exploration {
         }
     }
 
-    /// Returns the state that learning changes between two episodes: the version, and the exhausted
-    /// percepts.
-    pub fn kept(&self) -> (u64, &[u64]) {
-        (self.version, &self.exhausted)
-    }
-
-    /// Resumes from a saved state.
-    pub fn resume(&mut self, (version, exhausted): (u64, Vec<u64>)) {
-        (self.version, self.exhausted) = (version, exhausted);
+    /// Returns the exploration with the settings of another.
+    pub fn with_settings_of(self, other: &Self) -> Self {
+        Self {
+            version: self.version,
+            exhausted: self.exhausted,
+            ..other.clone()
+        }
     }
 
     /// Invalidates the plan, because the model changed in a way that may change an optimistic

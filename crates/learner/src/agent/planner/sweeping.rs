@@ -7,6 +7,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::agent::model::ReturnRule;
 use crate::agent::model::return_rules::ReturnRules;
 use crate::agent::model::transitions::Transitions;
@@ -43,9 +45,6 @@ const UPDATES_FOR_ODDS: usize = 1_024;
 /// The average number of queue entries per percept above which the queue is compacted.
 const MOST_ENTRIES: usize = 4;
 
-/// By percept: the pairs that led to it.
-pub(in crate::agent) type Before = Vec<Vec<(usize, Action)>>;
-
 /// The value of each percept under the best policy over known pairs, by prioritised sweeping (Moore and Atkeson
 /// 1993). A change propagates backward, greatest values first, and only to values that depend on it. Known pairs are
 /// the tried pairs and, until they are tried, the predicted returns of moves. Exploration does not try predicted
@@ -57,16 +56,21 @@ pub(in crate::agent) type Before = Vec<Vec<(usize, Action)>>;
 /// Values are relative to the value of walking for ever, `step / (1 - gamma)`. A value is then
 /// `gamma` to the power of the steps to the goal, times a constant. It stays exact thousands of
 /// steps away, and 0 means that no path is known.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(in crate::agent) struct PlannedValues {
+    #[serde(skip)]
     actions: usize,
+    #[serde(skip)]
     gamma: f64,
+    #[serde(skip)]
     step: f64,
     /// The value of an unknown pair above the floor; `None` if plans use known pairs only.
+    #[serde(skip)]
     unknown: Option<f64>,
     /// By the number of the percept.
     values: Vec<f64>,
-    before: Before,
+    /// By percept: the pairs that led to it.
+    before: Vec<Vec<(usize, Action)>>,
     returns: ReturnRules,
     /// Percepts that wait for an update, greatest value first.
     queue: BinaryHeap<(u64, Reverse<usize>)>,
@@ -93,6 +97,37 @@ impl PlannedValues {
             stale: Vec::new(),
             touched: Vec::new(),
         }
+    }
+
+    /// Returns the learned values with the settings of `other`, which include the rewards that it assumes.
+    pub fn resumed(self, other: &Self, memory: &Transitions) -> Self {
+        let returns = self.returns.resumed(other.actions, memory.slips());
+        Self {
+            actions: other.actions,
+            gamma: other.gamma,
+            step: other.step,
+            unknown: other.unknown,
+            returns,
+            ..self
+        }
+    }
+
+    /// Returns true if the values fit the percepts of `memory`, and all counts are valid.
+    pub fn is_sound(&self, memory: &Transitions) -> bool {
+        let known = self.values.len();
+        let mut pairs = self.before.iter().flatten();
+        let waiting = self.queue.iter().map(|&(_, Reverse(percept))| percept);
+        known <= memory.percepts().len()
+            && [self.before.len(), self.stale.len()] == [known; 2]
+            && self
+                .values
+                .iter()
+                .all(|value| (0.0..f64::INFINITY).contains(value))
+            && pairs.all(|&(percept, action)| percept < known && action.index() < self.actions)
+            && waiting
+                .chain(self.touched.iter().copied())
+                .all(|percept| percept < known)
+            && self.returns.is_sound()
     }
 
     /// Sets the reward of a step, and the value of unknown pairs above the floor. With a value, all values are
@@ -386,9 +421,6 @@ impl PlannedValues {
         }
     }
 }
-
-mod saved;
-pub(in crate::agent) use saved::Saved;
 
 #[cfg(test)]
 mod tests;

@@ -2,6 +2,7 @@
 
 use crate::agent::model::transitions::Transition;
 use crate::agent::planner::sweeping::*;
+use crate::agent::saved;
 use xcs::Percept;
 use xcs::random::Stream;
 use xcscr_robot::streams::StreamName;
@@ -63,19 +64,20 @@ fn waiting_updates_still_wait_after_a_resumption() {
     let step = updates.iter().position(is_cut_short).unwrap();
     let (mut known, _) = updates_of_noise(step + 1);
     known.tidy();
-    let (values, (updates, queue), before, returns) = known.kept();
-    assert!(!queue.is_empty(), "control");
+    assert!(!known.queue.is_empty(), "control");
     let mut memory = Transitions::default();
     (0..PERCEPTS).for_each(|number| {
         memory.meet(&Percept::from_word(number as u64, 8));
     });
-    let resumed = |queue: Vec<_>| {
-        let mut other = PlannedValues::new(4, &Params::default());
-        let kept = (values.to_vec(), (updates, queue), before.clone(), returns);
-        let valid = other.resume(kept, &memory);
-        valid.then(|| other.kept().1)
+    let resumed = |known: &PlannedValues| {
+        let read: PlannedValues = saved::read(&saved::bytes_of(known)).unwrap();
+        let resumed = read.resumed(&PlannedValues::new(4, &Params::default()), &memory);
+        (resumed.is_sound(&memory), resumed)
     };
-    assert_eq!(resumed(queue.clone()), Some((updates, queue.clone())));
-    let twice = [queue.clone(), queue].concat();
-    assert_eq!(resumed(twice), None, "a percept waits twice");
+    let (valid, mut other) = resumed(&known);
+    assert!(valid && other.updates == known.updates);
+    let waiting = std::iter::from_fn(|| Some((known.queue.pop()?, other.queue.pop()?)));
+    assert!(waiting.into_iter().all(|(one, same)| one == same));
+    known.queue.push((1, Reverse(PERCEPTS)));
+    assert!(!resumed(&known).0, "an unknown percept waits");
 }
