@@ -320,6 +320,9 @@ fn convert_reads_a_map_from_anywhere_draws_it_and_overwrites_nothing() {
     assert!(stderr.contains(nearest), "a goal in a wall: {stderr}");
     ends("convert w.json -o back.yaml", 0);
     assert!(map.path("back.pgm").is_file());
+    // A name that YAML would read as a comment.
+    ends("convert w.json -o #back.yaml", 0);
+    ends("convert #back.yaml -o again.json", 0);
     let (_, stderr) = ends("convert w.json -o back.yaml --force --cell 0.5", 2);
     assert!(stderr.contains("--cell is for maps"), "{stderr}");
 }

@@ -112,6 +112,8 @@ impl PredictionSums {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::condition::Condition;
+    use crate::params::Params;
 
     #[test]
     fn ties_are_all_best_and_absent_actions_never_are() {
@@ -123,5 +125,22 @@ mod tests {
         array.set(south, -6.0);
         assert_eq!(array.best_actions().collect::<Vec<_>>(), [north, east]);
         assert_eq!(array.greatest(), Some(-5.0));
+    }
+
+    #[test]
+    fn the_fitness_of_all_matching_rules_includes_that_of_wide_actions() {
+        let rule = |action: Action, fitness| Classifier {
+            prediction: 6.0,
+            fitness,
+            ..Classifier::<Condition>::new("#".parse().unwrap(), action, 0, &Params::default())
+        };
+        let (narrow, wide) = (Action::new(0).unwrap(), Action::wide(MAX_ACTIONS).unwrap());
+        let mut sums = PredictionSums::default();
+        sums.add(&rule(narrow, 1.0));
+        sums.add(&rule(wide, 2.0));
+        // 6 * 1 / (1 + 2), and 6 * 2 / (1 + 2).
+        assert_eq!(sums.value(narrow, true), Some(2.0));
+        assert_eq!(sums.value(wide, true), Some(4.0));
+        assert_eq!(sums.value(narrow, false), Some(6.0), "control");
     }
 }
