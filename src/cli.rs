@@ -1,7 +1,5 @@
 //! The words of the command line; the documentation here is the text of `--help`.
 
-use std::io::Write;
-
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
@@ -15,6 +13,7 @@ use crate::commands::manual::{self, ManArgs};
 use crate::commands::map::{self, MapArgs};
 use crate::commands::recording::{self, RecordingCommand};
 use crate::commands::replay::{self, ReplayArgs};
+use crate::commands::results::Results;
 use crate::commands::robot::{self, RobotCommand};
 use crate::commands::rules::{self, RulesArgs};
 use crate::commands::simulate::{self, SimulateArgs};
@@ -103,7 +102,7 @@ impl Cli {
     }
 
     /// Runs the chosen subcommand; results go to `out`.
-    pub fn run(self, out: &mut impl Write) -> Result<(), Failure> {
+    pub fn run(self, out: &mut Results) -> Result<(), Failure> {
         match self.command {
             Command::Config(command) => config::run(&command, out)?,
             Command::Completions { shell } => complete(shell, out)?,
@@ -164,7 +163,7 @@ fn places_of(word: &str, command: &clap::Command, line: &str) -> Vec<String> {
 }
 
 /// Prints the completions for a shell.
-fn complete(shell: Shell, out: &mut impl Write) -> Result<(), Failure> {
+fn complete(shell: Shell, out: &mut Results) -> Result<(), Failure> {
     let mut text = Vec::new();
     clap_complete::generate(shell, &mut Cli::command(), "xcscr", &mut text);
     Ok(out.write_all(&text)?)

@@ -15,17 +15,17 @@ use xcscr::ErrorKind;
 
 use commands::failure::Failure;
 use commands::interrupt::limits_are_errors;
-use commands::terminal::Escaping;
+use commands::results::{Results, Unwritten};
 
 fn main() -> ExitCode {
-    if let Err(error) = limits_are_errors() {
-        return Failure::from(error).report();
+    if let Err(failure) = limits_are_errors() {
+        return failure.report();
     }
     let cli = match Cli::of_arguments() {
         Ok(cli) => cli,
         Err(refusal) => return answer(&refusal),
     };
-    let run = || cli.run(&mut Escaping::new(std::io::stdout().lock()));
+    let run = || cli.run(&mut Results::lock());
     let outcome = catch_unwind(run).unwrap_or_else(|_| Err(Failure::internal()));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -48,6 +48,6 @@ fn answer(refusal: &clap::Error) -> ExitCode {
     match refusal.print() {
         Ok(()) if refusal.use_stderr() => ExitCode::from(ErrorKind::Usage.exit_code()),
         Ok(()) => ExitCode::SUCCESS,
-        Err(cause) => Failure::from(cause).report(),
+        Err(cause) => Failure::from(Unwritten(cause)).report(),
     }
 }

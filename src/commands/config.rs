@@ -1,7 +1,6 @@
 //! `xcscr config`: prints the settings and their origins.
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Subcommand;
@@ -15,6 +14,7 @@ use xcscr::trial::{ReadBy, Resolved, Scope, Settings};
 use super::choices::{self, SettingsArgs};
 use super::failure::Failure;
 use super::output::print_json;
+use super::results::Results;
 
 /// Subcommands of `config`.
 #[derive(Debug, Subcommand)]
@@ -78,7 +78,7 @@ impl ShowArgs {
 }
 
 /// Runs one of the config commands.
-pub fn run(command: &ConfigCommand, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(command: &ConfigCommand, out: &mut Results) -> Result<(), Failure> {
     let ConfigCommand::Show(args) = command;
     let resolved = args.settings.resolve(&Settings::default())?;
     let resolved = match &args.world {
@@ -127,7 +127,7 @@ fn counting(table: Table, section: &str, counts: &impl Fn(&str) -> bool) -> Tabl
 fn print_origins(
     resolved: &Resolved,
     counts: impl Fn(&str) -> bool,
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     for (key, value, origin) in resolved.entries().filter(|(key, ..)| counts(key)) {
         writeln!(out, "{key:34} = {value:<12} # {origin}")?;
@@ -138,7 +138,7 @@ fn print_origins(
 fn print_entries(
     resolved: &Resolved,
     counts: impl Fn(&str) -> bool,
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     let values = serde_json::to_value(&resolved.settings).expect("settings are plain data");
     let origins = resolved

@@ -1,6 +1,5 @@
 //! `xcscr world convert`: converts ROS 2 maps to worlds, and worlds to maps.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
@@ -11,6 +10,7 @@ use xcscr::world::{Gridded, Gridding, Maze, OccupancyMap};
 use super::choices;
 use super::failure::Failure;
 use super::output::OutputFile;
+use super::results::Results;
 
 /// The most passages that are listed.
 const MOST_LISTED: usize = 5;
@@ -88,7 +88,7 @@ fn offset(text: &str) -> Result<Offset, String> {
 }
 
 /// Converts in the direction that the file extensions determine.
-pub fn run(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(args: &ConvertArgs, out: &mut Results) -> Result<(), Failure> {
     match (ending(&args.input).as_str(), ending(&args.output).as_str()) {
         ("yaml" | "yml", "json") => to_world(args, out),
         ("json", "yaml" | "yml") => to_map(args, out),
@@ -105,7 +105,7 @@ fn ending(file: &Path) -> String {
 }
 
 /// Converts a map to a world.
-fn to_world(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
+fn to_world(args: &ConvertArgs, out: &mut Results) -> Result<(), Failure> {
     let world = OutputFile::free(&args.output, args.force)?;
     let preview = args.preview.as_deref();
     let preview = preview.map(|path| OutputFile::free(path, args.force));
@@ -145,7 +145,7 @@ fn world_name(file: &Path) -> String {
     Maze::repaired_name(&stem)
 }
 
-fn print_map(map: &OccupancyMap, unknown: Unknown, out: &mut impl Write) -> Result<(), Failure> {
+fn print_map(map: &OccupancyMap, unknown: Unknown, out: &mut Results) -> Result<(), Failure> {
     let [free, occupied, unseen] = map.counts();
     let unknown = match unknown {
         Unknown::Wall => "wall",
@@ -175,7 +175,7 @@ fn print_map(map: &OccupancyMap, unknown: Unknown, out: &mut impl Write) -> Resu
     Ok(())
 }
 
-fn print_world(gridded: &Gridded, file: &Path, out: &mut impl Write) -> Result<(), Failure> {
+fn print_world(gridded: &Gridded, file: &Path, out: &mut Results) -> Result<(), Failure> {
     let maze = &gridded.maze;
     writeln!(
         out,
@@ -210,7 +210,7 @@ fn print_world(gridded: &Gridded, file: &Path, out: &mut impl Write) -> Result<(
 }
 
 /// Converts a world to a map.
-fn to_map(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
+fn to_map(args: &ConvertArgs, out: &mut Results) -> Result<(), Failure> {
     refuse_options_of_maps(args)?;
     let image = args.output.with_extension("pgm");
     let files = [&image, &args.output];

@@ -1,6 +1,5 @@
 //! `xcscr drive`: drives a robot with a learned policy.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
@@ -12,6 +11,7 @@ use super::choices;
 use super::failure::Failure;
 use super::learned;
 use super::node::{self, NodeArgs};
+use super::results::Results;
 
 /// Arguments of `drive`.
 #[derive(Debug, clap::Args)]
@@ -92,7 +92,7 @@ impl DriveArgs {
 }
 
 /// Runs `xcscr drive`.
-pub fn run(args: &DriveArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(args: &DriveArgs, out: &mut Results) -> Result<(), Failure> {
     let setup = args.setup()?;
     if let Some(bag) = &args.bag {
         return repeat(Driver::new(setup), bag, out);
@@ -107,7 +107,7 @@ pub fn run(args: &DriveArgs, out: &mut impl Write) -> Result<(), Failure> {
 }
 
 /// Decides from recorded readings, and compares the decisions.
-fn repeat(mut driver: Driver, bag: &Path, out: &mut impl Write) -> Result<(), Failure> {
+fn repeat(mut driver: Driver, bag: &Path, out: &mut Results) -> Result<(), Failure> {
     let DriveRecording {
         readings,
         decisions,
@@ -143,7 +143,7 @@ fn repeat(mut driver: Driver, bag: &Path, out: &mut impl Write) -> Result<(), Fa
     }
 }
 
-fn print_faults(faults: &[Fault], out: &mut impl Write) -> Result<(), Failure> {
+fn print_faults(faults: &[Fault], out: &mut Results) -> Result<(), Failure> {
     match faults {
         [] => writeln!(out, "     no fault: continues")?,
         _ => {
@@ -180,7 +180,7 @@ fn drive(
     setup: DriveSetup,
     options: &DriverOptions,
     (file, replace): (&Path, bool),
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -217,7 +217,7 @@ fn drive(
 }
 
 #[cfg(feature = "ros2")]
-fn print_step(step: &xcscr::drive::DriverStep, out: &mut impl Write) -> Result<(), Failure> {
+fn print_step(step: &xcscr::drive::DriverStep, out: &mut Results) -> Result<(), Failure> {
     if let Some(decision) = &step.decision {
         writeln!(out, "{:>3}  {}", decision.number, decision.words)?;
     }
@@ -232,7 +232,7 @@ fn drive(
     _: DriveSetup,
     _: &DriverOptions,
     _: (&Path, bool),
-    _: &mut impl Write,
+    _: &mut Results,
 ) -> Result<(), Failure> {
     Err(node::missing())
 }

@@ -1,6 +1,5 @@
 //! `xcscr evaluate`: evaluates the greedy policy.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use xcscr::agent::Knowledge;
@@ -16,6 +15,7 @@ use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::learned::LearnedArgs;
 use super::output::print_json;
+use super::results::Results;
 use super::terminal::write_row;
 
 /// Arguments of `evaluate`.
@@ -70,7 +70,7 @@ impl EvaluateArgs {
 }
 
 /// Evaluates the policy and reports the result.
-pub fn run(args: &EvaluateArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(args: &EvaluateArgs, out: &mut Results) -> Result<(), Failure> {
     let (plan, knowledge) = args.plan()?;
     if args.robustness {
         let interrupt = watch()?;
@@ -138,7 +138,7 @@ fn again(error: Error) -> Failure {
     }
 }
 
-fn print_folder(folder: &Path, out: &mut impl Write) -> Result<(), Failure> {
+fn print_folder(folder: &Path, out: &mut Results) -> Result<(), Failure> {
     let typed = disk::typed(folder);
     writeln!(out, "Recorded; watch it: xcscr replay {typed}")?;
     Ok(())
@@ -148,7 +148,7 @@ fn print(
     e: &Evaluation,
     plan: &Plan,
     knowledge: &Knowledge,
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     // Where moves slip, the fewest steps are not a meaningful reference.
     let (optimally, best) = match plan.config.settings.arena.slip > 0.0 {
@@ -178,7 +178,7 @@ fn print(
 fn print_robustness(
     found: &Robustness,
     knowledge: &Knowledge,
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     let (count, counted) = (knowledge.len(), knowledge.counts());
     let (world, arena, seed) = (&found.world, found.arena, found.seed);
@@ -212,7 +212,7 @@ fn print_robustness(
     Ok(())
 }
 
-fn print_condition(result: &ConditionResult, out: &mut impl Write) -> Result<(), Failure> {
+fn print_condition(result: &ConditionResult, out: &mut Results) -> Result<(), Failure> {
     let [share, low, high] = [
         result.success.value,
         result.success.low,

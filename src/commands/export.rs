@@ -1,7 +1,6 @@
 //! `xcscr export`: exports the policy as source code or data.
 
 use std::ffi::OsStr;
-use std::io::Write;
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, TypedValueParser};
@@ -13,6 +12,7 @@ use super::choices;
 use super::failure::Failure;
 use super::learned::LearnedArgs;
 use super::output::OutputFile;
+use super::results::Results;
 
 /// Arguments of `export`.
 #[derive(Debug, clap::Args)]
@@ -67,7 +67,7 @@ impl TargetParser {
 }
 
 /// Exports the policy.
-pub fn run(args: &ExportArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(args: &ExportArgs, out: &mut Results) -> Result<(), Failure> {
     let asked = args.output.as_deref();
     let file = asked.map(|path| OutputFile::free(path, args.force));
     let file = file.transpose()?;

@@ -9,6 +9,7 @@ use xcscr::trial::{PlanError, RobotError, SettingsError};
 use xcscr::world::{MapError, WorldError};
 use xcscr::{Error, ErrorKind};
 
+use super::results::Unwritten;
 use super::terminal::{escaped, fitted, shows_colours};
 
 /// The beginning of a coloured error message.
@@ -78,8 +79,8 @@ impl From<Error> for Failure {
     }
 }
 
-impl From<io::Error> for Failure {
-    fn from(error: io::Error) -> Self {
+impl From<Unwritten> for Failure {
+    fn from(Unwritten(error): Unwritten) -> Self {
         match error.kind() {
             io::ErrorKind::BrokenPipe => Self::new(ErrorKind::Closed, ""),
             _ => Self::new(ErrorKind::Io, format!("cannot write the result: {error}")),

@@ -1,6 +1,5 @@
 //! Signal handling: the first signal requests a graceful shutdown, the second ends the process.
 
-use std::io;
 use std::process;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -83,10 +82,12 @@ impl Interrupt {
 /// process. Writing beyond a file-size limit fails with an error. When memory runs out, the
 /// standard library reports it on stderr and aborts. The process then ends as if killed, so that
 /// the last checkpoint or journal stays intact.
-pub fn limits_are_errors() -> io::Result<()> {
+pub fn limits_are_errors() -> Result<(), Failure> {
+    let unhandled = Failure::system("handle signals");
     #[cfg(unix)]
-    flag::register(consts::SIGXFSZ, Arc::default())?;
+    flag::register(consts::SIGXFSZ, Arc::default()).map_err(&unhandled)?;
     let always = Arc::new(AtomicBool::new(true));
-    flag::register_conditional_shutdown(consts::SIGABRT, ErrorKind::Io.exit_code().into(), always)?;
+    let code = ErrorKind::Io.exit_code().into();
+    flag::register_conditional_shutdown(consts::SIGABRT, code, always).map_err(unhandled)?;
     Ok(())
 }

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `choices`, `node`, `live` | arguments that several commands take |
 //! | `learned`, `source` | what a run, a recording or a file of rules holds |
-//! | `output` | JSON documents, and output files |
+//! | `results`, `output` | what is printed to stdout, and output files |
 //! | `terminal`, `progress`, `sparkline` | text for people |
 //! | `failure`, `interrupt` | errors, exit codes and signals |
 
@@ -25,6 +25,7 @@ mod output;
 mod progress;
 pub mod recording;
 pub mod replay;
+pub mod results;
 pub mod robot;
 pub mod rules;
 pub mod simulate;

@@ -1,6 +1,6 @@
 //! JSON documents on stdout, and output files named by the user.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 
 use serde::Serialize;
@@ -8,10 +8,16 @@ use xcscr::ErrorKind;
 use xcscr::disk;
 
 use super::failure::Failure;
+use super::results::Results;
 
 /// Prints one JSON document.
-pub fn print_json(value: &impl Serialize, out: &mut impl Write) -> Result<(), Failure> {
-    let text = serde_json::to_string_pretty(value).map_err(io::Error::from)?;
+pub fn print_json(value: &impl Serialize, out: &mut Results) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(value).map_err(|fault| {
+        Failure::new(
+            ErrorKind::Internal,
+            format!("no JSON for the result: {fault}"),
+        )
+    })?;
     Ok(writeln!(out, "{text}")?)
 }
 

@@ -1,6 +1,5 @@
 //! `xcscr robot`: lists, shows and checks robot profiles.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Subcommand;
@@ -11,6 +10,7 @@ use xcscr::world::Maze;
 
 use super::choices;
 use super::failure::Failure;
+use super::results::Results;
 use super::terminal::write_words;
 
 /// Subcommands of `robot`.
@@ -36,7 +36,7 @@ pub enum RobotCommand {
 }
 
 /// Runs a subcommand of `robot`.
-pub fn run(command: &RobotCommand, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(command: &RobotCommand, out: &mut Results) -> Result<(), Failure> {
     match command {
         RobotCommand::List => list(out),
         RobotCommand::Show { robot } => show(&RobotProfile::load(robot)?, out),
@@ -51,7 +51,7 @@ pub fn run(command: &RobotCommand, out: &mut impl Write) -> Result<(), Failure> 
     }
 }
 
-fn list(out: &mut impl Write) -> Result<(), Failure> {
+fn list(out: &mut Results) -> Result<(), Failure> {
     for name in RobotProfile::bundled_names() {
         let profile = RobotProfile::load(name)?;
         writeln!(out, "{name:22} {}", profile.title())?;
@@ -59,7 +59,7 @@ fn list(out: &mut impl Write) -> Result<(), Failure> {
     Ok(())
 }
 
-fn show(profile: &RobotProfile, out: &mut impl Write) -> Result<(), Failure> {
+fn show(profile: &RobotProfile, out: &mut Results) -> Result<(), Failure> {
     writeln!(out, "title = {}", profile.title_toml())?;
     for (key, value, source) in profile.entries() {
         let setting = format!("{key} = {value}");
@@ -75,7 +75,7 @@ fn show(profile: &RobotProfile, out: &mut impl Write) -> Result<(), Failure> {
     Ok(())
 }
 
-fn check(profile: &RobotProfile, maze: Option<Maze>, out: &mut impl Write) -> Result<(), Failure> {
+fn check(profile: &RobotProfile, maze: Option<Maze>, out: &mut Results) -> Result<(), Failure> {
     let physics = profile.settings_over(&Settings::default())?.physics;
     let least_m = physics.least_cell_m();
     let mut warnings = Vec::new();

@@ -7,6 +7,8 @@ use std::path::Path;
 
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 
+use super::results::{Results, Unwritten};
+
 /// The characters that must be percent-encoded in the path of an address.
 const IN_PATHS: &AsciiSet = &CONTROLS
     .add(b' ')
@@ -30,12 +32,12 @@ pub fn say(line: &str) {
 }
 
 /// Prints a line of text to stdout, wrapped for a terminal.
-pub fn write_words(out: &mut impl Write, line: &str) -> io::Result<()> {
+pub fn write_words(out: &mut Results, line: &str) -> Result<(), Unwritten> {
     writeln!(out, "{}", fitted(line, &io::stdout()))
 }
 
 /// Prints a line of a report: a label and a value.
-pub fn write_row(out: &mut impl Write, label: &str, value: impl Display) -> io::Result<()> {
+pub fn write_row(out: &mut Results, label: &str, value: impl Display) -> Result<(), Unwritten> {
     writeln!(out, "  {label:<20} {value}")
 }
 
@@ -104,12 +106,13 @@ pub fn shows_colours(there: &impl IsTerminal) -> bool {
 }
 
 /// Prints a maze with its policy and legend to stdout, in colour if enabled.
-pub fn print_maze(drawn: &str) -> io::Result<()> {
+pub fn print_maze(drawn: &str) -> Result<(), Unwritten> {
     let (mut out, drawn) = (io::stdout(), escaped(drawn));
-    match shows_colours(&out) {
+    let written = match shows_colours(&out) {
         true => writeln!(out, "{}", painted(&drawn)),
         false => writeln!(out, "{drawn}"),
-    }
+    };
+    written.map_err(Unwritten)
 }
 
 /// Colours a drawn maze: walls grey, arrows green, the goal magenta, ambiguous cells yellow.
@@ -130,7 +133,7 @@ fn painted(drawn: &str) -> String {
 /// Prints a name and an address to stdout. If the terminal shows links (OSC 8), the address is a
 /// link behind a short text, so that the line fits 80 columns. The address comes from this program:
 /// its characters are printable ASCII.
-pub fn write_link(name: &str, address: &str, out: &mut impl Write) -> io::Result<()> {
+pub fn write_link(name: &str, address: &str, out: &mut Results) -> Result<(), Unwritten> {
     if !shows_links() {
         return writeln!(out, "  {name}{address}");
     }
@@ -141,7 +144,8 @@ pub fn write_link(name: &str, address: &str, out: &mut impl Write) -> io::Result
     write!(
         io::stdout(),
         "\u{1b}]8;;{address}\u{1b}\\click here to open it\u{1b}]8;;\u{1b}\\"
-    )?;
+    )
+    .map_err(Unwritten)?;
     writeln!(out)
 }
 

@@ -1,6 +1,5 @@
 //! `xcscr train`: trains and records a new learner.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
@@ -19,6 +18,7 @@ use super::live::{LIVE_PORT, LiveArgs};
 use super::output::print_json;
 use super::progress::Progress;
 use super::replay::browser;
+use super::results::Results;
 use super::terminal::{file_link, say};
 use super::train_report::TrainReport;
 
@@ -117,7 +117,7 @@ impl TrainArgs {
 }
 
 /// Trains, records, saves and reports.
-pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(args: &TrainArgs, out: &mut Results) -> Result<(), Failure> {
     let broadcast = args.live.open(args.port, 10.0)?;
     let (mut session, interrupt) = match &args.resume {
         None => begin(args)?,
@@ -186,7 +186,7 @@ fn say_warnings(plan: &Plan) {
 }
 
 /// Reports that the run is already finished, which is a success.
-fn say_finished(folder: &RunFolder, json: bool, out: &mut impl Write) -> Result<(), Failure> {
+fn say_finished(folder: &RunFolder, json: bool, out: &mut Results) -> Result<(), Failure> {
     let episodes = folder.plan()?.config.episodes;
     let run_dir = disk::named(folder.path());
     if json {

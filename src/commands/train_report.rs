@@ -1,6 +1,5 @@
 //! The report of `train`.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -13,6 +12,7 @@ use xcscr::trial::{Plan, Trial};
 use xcscr::world::{Cell, Facts, Maze};
 
 use super::failure::Failure;
+use super::results::Results;
 use super::sparkline::sparkline;
 use super::terminal::{file_link, print_maze, write_link, write_row};
 
@@ -110,7 +110,7 @@ impl TrainReport {
         trial: &Trial,
         steps_per_episode: &[u32],
         recording: &RecordSummary,
-        out: &mut impl Write,
+        out: &mut Results,
     ) -> Result<(), Failure> {
         // The picture comes first, so that the rest stays visible on a terminal of 24 lines.
         let maze = &trial.plan().maze;
@@ -191,7 +191,7 @@ impl TrainReport {
 
     /// Prints where the greedy policy leads if it is not optimal and episodes start in one cell, and
     /// what to try.
-    fn print_failure(&self, trial: &Trial, out: &mut impl Write) -> Result<(), Failure> {
+    fn print_failure(&self, trial: &Trial, out: &mut Results) -> Result<(), Failure> {
         if self.retained {
             return Ok(());
         }
@@ -214,7 +214,7 @@ impl TrainReport {
         Ok(())
     }
 
-    fn print_files(&self, recording: &RecordSummary, out: &mut impl Write) -> Result<(), Failure> {
+    fn print_files(&self, recording: &RecordSummary, out: &mut Results) -> Result<(), Failure> {
         let files = recording.files.len();
         if files == 0 {
             return Ok(writeln!(

@@ -1,6 +1,5 @@
 //! `xcscr world`: checks, shows, describes and generates world files.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
@@ -14,6 +13,7 @@ use super::choices;
 use super::convert::{self, ConvertArgs};
 use super::failure::Failure;
 use super::output::print_json;
+use super::results::Results;
 use super::terminal::write_words;
 
 /// The most cells of a list that are printed.
@@ -72,7 +72,7 @@ pub struct GenerateArgs {
 }
 
 /// Runs a subcommand of `world`.
-pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(command: WorldCommand, out: &mut Results) -> Result<(), Failure> {
     match command {
         WorldCommand::Check { files } => check(&files, out),
         WorldCommand::Show { file } => {
@@ -105,7 +105,7 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
     }
 }
 
-fn check(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
+fn check(files: &[PathBuf], out: &mut Results) -> Result<(), Failure> {
     if let [file] = files {
         return Ok(write_words(out, &summary(file, &choices::world(file)?))?);
     }
@@ -187,7 +187,7 @@ impl Description {
         }
     }
 
-    fn print(&self, out: &mut impl Write) -> Result<(), Failure> {
+    fn print(&self, out: &mut Results) -> Result<(), Failure> {
         let facts = &self.facts;
         let (width, height, size) = (facts.width, facts.height, facts.cell_size_m);
         let edges = if facts.wrap { ", joined edges" } else { "" };
@@ -234,7 +234,7 @@ impl Description {
 }
 
 /// Prints the bounds, each with its assumption.
-fn print_bounds(bounds: &Bounds, out: &mut impl Write) -> Result<(), Failure> {
+fn print_bounds(bounds: &Bounds, out: &mut Results) -> Result<(), Failure> {
     let number = |bound: Option<Estimate>| match bound {
         None => "unknown".to_owned(),
         Some(Estimate { steps, error: 0.0 }) => format!("{steps:.3}"),
@@ -285,7 +285,7 @@ impl LookAlike {
         Sensor::ALL.iter().map(one).collect()
     }
 
-    fn print(&self, out: &mut impl Write) -> Result<(), Failure> {
+    fn print(&self, out: &mut Results) -> Result<(), Failure> {
         let name = self.sensor.name();
         if self.groups.is_empty() {
             return Ok(writeln!(out, "aliased     ({name}) none")?);

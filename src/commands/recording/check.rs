@@ -1,6 +1,5 @@
 //! `xcscr recording check`: checks recordings for damage.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
@@ -8,6 +7,7 @@ use xcscr::record;
 
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
+use crate::commands::results::Results;
 use crate::commands::source;
 use crate::commands::terminal::write_words;
 
@@ -31,7 +31,7 @@ struct Checked {
 }
 
 /// Checks every file and reports the findings.
-pub fn run(args: &CheckArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(args: &CheckArgs, out: &mut Results) -> Result<(), Failure> {
     let mut checked = Vec::new();
     for file in source::all_recordings(&args.files)? {
         checked.push(check(&file)?);
@@ -59,7 +59,7 @@ fn check(file: &Path) -> Result<Checked, Failure> {
     })
 }
 
-fn print(checked: &[Checked], out: &mut impl Write) -> Result<(), Failure> {
+fn print(checked: &[Checked], out: &mut Results) -> Result<(), Failure> {
     for Checked { file, findings, .. } in checked {
         if findings.is_empty() {
             writeln!(out, "{file}: sound")?;

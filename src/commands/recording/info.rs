@@ -1,7 +1,6 @@
 //! `xcscr recording info`: summarises runs and recordings.
 
 use std::collections::BTreeMap;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -10,10 +9,11 @@ use xcscr::record::reader::{Recording, TopicInfo};
 use super::summary;
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
+use crate::commands::results::{Results, Unwritten};
 use crate::commands::source::{all_recordings, recordings};
 
 /// Prints a summary of each run, and the content of each recording.
-pub fn run(paths: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(paths: &[PathBuf], json: bool, out: &mut Results) -> Result<(), Failure> {
     if !json {
         return paths.iter().try_for_each(|path| show(path, out));
     }
@@ -42,7 +42,7 @@ impl Shown {
         })
     }
 
-    fn print(&self, out: &mut impl Write) -> io::Result<()> {
+    fn print(&self, out: &mut Results) -> Result<(), Unwritten> {
         writeln!(out, "{}", self.file)?;
         for (key, value) in &self.run {
             writeln!(out, "  {key:9} {value}")?;
@@ -59,7 +59,7 @@ impl Shown {
 }
 
 /// Summarises a run, or lists the content of recordings.
-fn show(path: &Path, out: &mut impl Write) -> Result<(), Failure> {
+fn show(path: &Path, out: &mut Results) -> Result<(), Failure> {
     let files = recordings(path)?;
     if let Some(run) = summary::whole_run(path) {
         return summary::print(path, &run, &files, out);

@@ -6,7 +6,6 @@ mod recover;
 mod summary;
 mod verify;
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use xcscr::Error;
@@ -14,6 +13,7 @@ use xcscr::run::{RunFolder, Source};
 
 use super::failure::Failure;
 use super::output::OutputFile;
+use super::results::Results;
 use super::source::all_recordings;
 
 /// Subcommands of `recording`.
@@ -69,7 +69,7 @@ impl IntoFile {
 }
 
 /// Runs a subcommand of `recording`.
-pub fn run(command: &RecordingCommand, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(command: &RecordingCommand, out: &mut Results) -> Result<(), Failure> {
     match command {
         RecordingCommand::Info { recordings, json } => info::run(recordings, *json, out),
         RecordingCommand::Check(args) => check::run(args, out),

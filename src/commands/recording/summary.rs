@@ -1,7 +1,6 @@
 //! `xcscr recording info RUN`: summarises a run on one screen.
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use xcscr::disk;
@@ -9,6 +8,7 @@ use xcscr::record::RecordingKind;
 use xcscr::record::reader::Recording;
 
 use crate::commands::failure::Failure;
+use crate::commands::results::Results;
 use crate::commands::sparkline::{mean, sparkline};
 use crate::commands::terminal::write_row;
 
@@ -26,7 +26,7 @@ pub fn print(
     folder: &Path,
     run: &Path,
     files: &[PathBuf],
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     let recording = Recording::open(run)?;
     let episodes = recording.episodes()?;
@@ -66,7 +66,7 @@ fn print_files(
     folder: &Path,
     run: &Path,
     files: &[PathBuf],
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     let sizes = files.iter().filter_map(|file| fs::metadata(file).ok());
     let megabytes = sizes.map(|data| data.len()).sum::<u64>() as f64 / 1e6;

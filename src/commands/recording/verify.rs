@@ -1,6 +1,5 @@
 //! `xcscr recording verify`: compares recordings with repeated runs byte by byte.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
@@ -11,6 +10,7 @@ use xcscr::run::{Again, Source};
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
 use crate::commands::progress::Progress;
+use crate::commands::results::Results;
 
 /// The result for one recording, as `--json` prints it.
 #[derive(serde::Serialize)]
@@ -22,7 +22,7 @@ struct Verified {
 }
 
 /// Verifies all recordings. Recordings of the same run are compared with one repeated run.
-pub fn run(files: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(files: &[PathBuf], json: bool, out: &mut Results) -> Result<(), Failure> {
     let mut verified = Vec::new();
     let mut again: Option<Again> = None;
     for file in files {
@@ -59,7 +59,7 @@ fn difference(file: &Path, again: &mut Option<Again>) -> Result<Option<String>, 
     Ok(again.insert(run).difference(&source)?)
 }
 
-fn report(verified: &[Verified], json: bool, out: &mut impl Write) -> Result<(), Failure> {
+fn report(verified: &[Verified], json: bool, out: &mut Results) -> Result<(), Failure> {
     let (same, all) = (verified.iter().filter(|v| v.same).count(), verified.len());
     if json {
         print_json(&verified, out)?;

@@ -7,7 +7,6 @@ mod serve;
 mod stream;
 mod terminal;
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use xcscr::ErrorKind;
@@ -16,6 +15,7 @@ use xcscr::record::Comparison;
 use super::failure::Failure;
 use super::live::{LIVE_PORT, LiveArgs};
 use super::output::OutputFile;
+use super::results::Results;
 use super::source::all_recordings;
 
 /// Arguments of `replay`.
@@ -53,7 +53,7 @@ pub struct ReplayArgs {
 }
 
 /// Streams recordings, or serves them on this machine only and prints links that open them.
-pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(args: &ReplayArgs, out: &mut Results) -> Result<(), Failure> {
     if args.terminal {
         return terminal::run(&args.recordings, out);
     }
@@ -83,7 +83,7 @@ impl ReplayArgs {
 }
 
 /// Compares two runs side by side, in a file or in a viewer.
-fn compare(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
+fn compare(args: &ReplayArgs, out: &mut Results) -> Result<(), Failure> {
     let [a, b] = &args.recordings[..] else {
         let message = "`--compare` takes two runs".to_owned();
         return Err(Failure::new(ErrorKind::Usage, message));

@@ -1,7 +1,6 @@
 //! `xcscr replay --html`: writes a page that plays a recording, a run, two runs, or the best trial
 //! of a study.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
@@ -14,6 +13,7 @@ use xcscr::study::{PlannedStudy, StudyFolder};
 use super::{browser, highlights};
 use crate::commands::failure::Failure;
 use crate::commands::output::OutputFile;
+use crate::commands::results::Results;
 use crate::commands::source::recordings;
 use crate::commands::terminal::{file_link, shows_links, write_link};
 
@@ -23,7 +23,7 @@ pub fn write(
     compare: bool,
     (file, force): (&Path, bool),
     open: bool,
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     let output = OutputFile::free(file, force)?;
     let page = match (paths, compare) {
@@ -51,7 +51,7 @@ pub fn write(
     Ok(())
 }
 
-fn page_of(path: &Path, out: &mut impl Write) -> Result<String, Failure> {
+fn page_of(path: &Path, out: &mut Results) -> Result<String, Failure> {
     if PlannedStudy::is_in(path) {
         return page_of_study(&StudyFolder::read(path)?, out);
     }
@@ -71,7 +71,7 @@ fn is_episode(file: &Path) -> bool {
 }
 
 /// Repeats the best trial of a study and returns its page.
-fn page_of_study(study: &StudyFolder, out: &mut impl Write) -> Result<String, Failure> {
+fn page_of_study(study: &StudyFolder, out: &mut Results) -> Result<String, Failure> {
     let Some((number, plan)) = study.best_trial() else {
         let path = study.path().display();
         let message = format!("no trial of the study in {path} reached a goal");

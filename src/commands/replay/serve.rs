@@ -1,6 +1,6 @@
 //! `xcscr replay`: prints links that open recordings in a viewer.
 
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
@@ -14,6 +14,7 @@ use xcscr::trial::Plan;
 use super::browser;
 use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
+use crate::commands::results::Results;
 use crate::commands::terminal::write_link;
 
 /// The most files that a link opens. The others can be dragged into the viewer.
@@ -40,7 +41,7 @@ pub struct Offer {
 }
 
 /// Serves until Ctrl-C.
-pub fn run(offers: Vec<Offer>, service: &Service<'_>, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(offers: Vec<Offer>, service: &Service<'_>, out: &mut Results) -> Result<(), Failure> {
     let port = service.port;
     let mut server = Server::bind(port).map_err(|cause| {
         let message = format!("cannot listen on port {port}: {cause}; choose another `--port`");
@@ -129,7 +130,7 @@ fn group(file: &Path) -> Result<(Kind, Option<Plan>, Offer), Failure> {
 }
 
 /// Prints the links of an offer and returns the first one.
-fn print_links(server: &mut Server, offer: Offer, out: &mut impl Write) -> Result<String, Failure> {
+fn print_links(server: &mut Server, offer: Offer, out: &mut Results) -> Result<String, Failure> {
     let layout = server.add("foxglove-layout.json", Content::Text(offer.layout));
     let mut links = Vec::new();
     for file in &offer.files {

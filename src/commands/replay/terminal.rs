@@ -1,6 +1,6 @@
 //! `xcscr replay --terminal`: plays a recording in the terminal.
 
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, IsTerminal};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
@@ -13,6 +13,7 @@ use xcscr::record::player::TextPlayer;
 use super::highlights;
 use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
+use crate::commands::results::{Results, Unwritten};
 use crate::commands::terminal::escaped;
 
 /// Time between two frames.
@@ -23,7 +24,7 @@ const UNBOUNDED: (usize, usize) = (80, usize::MAX);
 
 /// Plays one recording, or the highlights of a run, until `q` or Ctrl-C. If stdout is not a
 /// terminal, prints a frame for each decision.
-pub fn run(paths: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(paths: &[PathBuf], out: &mut Results) -> Result<(), Failure> {
     let [path] = paths else {
         let message = "`--terminal` takes one recording, or one run".to_owned();
         return Err(Failure::new(ErrorKind::Usage, message));
@@ -37,13 +38,19 @@ pub fn run(paths: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
     }
     let interrupt = Interrupt::notice()?;
     let term = Term::buffered_stdout();
+    let played = play(Screen::new(player), &term, &interrupt);
+    Ok(played.map_err(Unwritten)?)
+}
+
+/// Plays on a cleared screen, and shows the cursor again at the end.
+fn play(mut screen: Screen, term: &Term, interrupt: &Interrupt) -> io::Result<()> {
     term.clear_screen()?;
     term.hide_cursor()?;
-    let played = Screen::new(player).play(&term, &interrupt);
+    let played = screen.play(term, interrupt);
     term.show_cursor()?;
     term.write_line("")?;
     term.flush()?;
-    Ok(played?)
+    played
 }
 
 /// The player and its state.

@@ -1,6 +1,5 @@
 //! `xcscr rules --diff`: compares the rules of two learners.
 
-use std::io::Write;
 use std::path::Path;
 
 use xcscr::agent::Knowledge;
@@ -13,6 +12,7 @@ use super::formats::table;
 use super::listing::{Order, rows};
 use crate::commands::choices;
 use crate::commands::failure::Failure;
+use crate::commands::results::Results;
 
 /// The most rules of each learner that are shown.
 const MOST_RULES: usize = 20;
@@ -24,7 +24,7 @@ pub fn print(
     (plan, first): (&Plan, &Knowledge),
     other: &Path,
     order: Order,
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     let second = choices::read_rules(other)?;
     checked(plan, &second)?;
@@ -71,7 +71,7 @@ fn print_differences(
     plan: &Plan,
     first: &Knowledge,
     second: &Knowledge,
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     let cells = plan
         .maze

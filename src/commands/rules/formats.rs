@@ -1,7 +1,6 @@
 //! Output formats of rules: text for a terminal, rules.json, and CSV.
 
-use std::io::Write;
-
+use xcscr::ErrorKind;
 use xcscr::agent::Knowledge;
 use xcscr::page::Table;
 use xcscr::xcs::{Classifier, Population};
@@ -10,10 +9,11 @@ use super::listing::{COLUMNS, Row};
 use super::{Shown, predicted};
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
+use crate::commands::results::Results;
 use crate::commands::terminal::write_words;
 
 /// Prints the rules for a terminal.
-pub fn text(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
+pub fn text(shown: &Shown<'_>, out: &mut Results) -> Result<(), Failure> {
     writeln!(out, "{}", headline(shown))?;
     if let Some(percept) = &shown.here {
         writeln!(out, "  where the percept is {percept}")?;
@@ -39,7 +39,7 @@ fn uses_position(row: &Row) -> bool {
 }
 
 /// Prints a rules.json file.
-pub fn json(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
+pub fn json(shown: &Shown<'_>, out: &mut Results) -> Result<(), Failure> {
     let rules: Vec<Classifier> = shown.rows.iter().map(|row| row.rule).collect();
     let rules: Population = rules
         .try_into()
@@ -65,14 +65,23 @@ pub fn json(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
 }
 
 /// Prints a CSV table.
-pub fn csv(rows: Vec<Row>, out: &mut impl Write) -> Result<(), Failure> {
+pub fn csv(rows: Vec<Row>, out: &mut Results) -> Result<(), Failure> {
+    let table = csv_table(rows).map_err(|fault| {
+        let message = format!("no CSV for the rules: {fault}");
+        Failure::new(ErrorKind::Internal, message)
+    })?;
+    Ok(out.write_all(&table)?)
+}
+
+/// Returns the bytes of a CSV table.
+fn csv_table(rows: Vec<Row>) -> Result<Vec<u8>, csv::Error> {
     let mut table = csv::WriterBuilder::new();
-    let mut table = table.has_headers(false).from_writer(out);
-    table.write_record(COLUMNS).map_err(std::io::Error::from)?;
+    let mut table = table.has_headers(false).from_writer(Vec::new());
+    table.write_record(COLUMNS)?;
     for row in rows {
-        table.serialize(row).map_err(std::io::Error::from)?;
+        table.serialize(row)?;
     }
-    Ok(table.flush()?)
+    Ok(table.into_inner().map_err(|fault| fault.into_error())?)
 }
 
 /// Describes the list of rules in one or two lines.

@@ -7,7 +7,6 @@ mod listing;
 mod page;
 mod why;
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
@@ -21,6 +20,7 @@ use listing::Order;
 
 use super::failure::Failure;
 use super::learned::LearnedArgs;
+use super::results::Results;
 
 /// Arguments of `rules`.
 #[derive(Debug, clap::Args)]
@@ -82,7 +82,7 @@ fn cell(text: &str) -> Result<Cell, String> {
 }
 
 /// Prints the rules.
-pub fn run(args: &RulesArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(args: &RulesArgs, out: &mut Results) -> Result<(), Failure> {
     let (plan, knowledge) = load(&args.learned)?;
     if let Some(cell) = args.why {
         perceived(&plan, cell)?;

@@ -1,7 +1,5 @@
 //! Rules as one HTML page.
 
-use std::io::Write;
-
 use xcscr::page::{Block, Picture, Table, html};
 use xcscr::picture::{Animation, Scenes};
 use xcscr::run::Rerun;
@@ -12,12 +10,13 @@ use super::formats::{headline, table};
 use super::listing::words;
 use super::{Shown, predicted};
 use crate::commands::failure::Failure;
+use crate::commands::results::Results;
 
 /// The most free cells of a maze that are listed.
 const MOST_CELLS: usize = 400;
 
 /// Prints the page. `is_run` is true if the run can be repeated, so that its policy can be drawn.
-pub fn print(shown: &Shown<'_>, is_run: bool, out: &mut impl Write) -> Result<(), Failure> {
+pub fn print(shown: &Shown<'_>, is_run: bool, out: &mut Results) -> Result<(), Failure> {
     let mut blocks = vec![Block::Text(headline(shown))];
     if let Some(percept) = &shown.here {
         blocks.push(Block::Text(format!("Only where the percept is {percept}.")));

@@ -1,7 +1,5 @@
 //! `xcscr rules --why`: explains the choice in a cell.
 
-use std::io::Write;
-
 use xcscr::episode::Ending;
 use xcscr::page::Table;
 use xcscr::trial::{Change, Plan, RuleHistory, WeightedRule, Why};
@@ -10,6 +8,7 @@ use xcscr::xcs::{Action, Classifier};
 
 use super::listing::words;
 use crate::commands::failure::Failure;
+use crate::commands::results::Results;
 use crate::commands::terminal::write_words;
 use xcscr::agent::Knowledge;
 
@@ -24,7 +23,7 @@ pub fn print(
     (plan, knowledge): (&Plan, &Knowledge),
     cell: Cell,
     is_run: bool,
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     let Plan { maze, config } = plan;
     let why = Why::at(plan, knowledge, cell);
@@ -74,7 +73,7 @@ fn choice(plan: &Plan, why: &Why) -> String {
 fn print_votes(
     (plan, knowledge): (&Plan, &Knowledge),
     why: &Why,
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     let (mut shown, mut more): (Vec<&WeightedRule>, Vec<String>) = Default::default();
     for votes in why.votes.chunk_by(|a, b| a.rule.action == b.rule.action) {
@@ -115,7 +114,7 @@ fn print_votes(
     }
 }
 
-fn print_changes(why: &Why, plan: &Plan, out: &mut impl Write) -> Result<(), Failure> {
+fn print_changes(why: &Why, plan: &Plan, out: &mut Results) -> Result<(), Failure> {
     writeln!(out, "\nIt would go")?;
     for Change {
         action,
@@ -144,7 +143,7 @@ fn print_history(
     rule: &Classifier,
     plan: &Plan,
     knowledge: &Knowledge,
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     let words = words(rule, plan, knowledge);
     let name = plan.maze.action_name(rule.action);

@@ -10,7 +10,6 @@ mod task;
 mod tune;
 
 use std::collections::BTreeSet;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::{Subcommand, ValueEnum};
@@ -20,6 +19,7 @@ use xcscr::study::{PlannedStudy, Protocol, Report, Shard, Slurm, Study, StudyFol
 use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
 use crate::commands::output::print_json;
+use crate::commands::results::Results;
 use crate::commands::terminal::{file_link, say, write_link, write_words};
 use choice::ChoiceArgs;
 use plan::PlanArgs;
@@ -155,7 +155,7 @@ pub struct RunArgs {
 }
 
 /// Runs a subcommand of `study`.
-pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(command: &StudyCommand, out: &mut Results) -> Result<(), Failure> {
     match command {
         StudyCommand::Run(args) => run_trials(args, out),
         StudyCommand::Keys => keys(out),
@@ -206,7 +206,7 @@ pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> 
 }
 
 /// Lists the keys of a study file.
-fn keys(out: &mut impl Write) -> Result<(), Failure> {
+fn keys(out: &mut Results) -> Result<(), Failure> {
     for key in StudyKey::all() {
         let default = match key.default {
             None => "required".to_owned(),
@@ -235,7 +235,7 @@ fn merge(folders: &[PathBuf], out: Option<&Path>, force: bool) -> Result<StudyFo
     Ok(StudyFolder::merge(folders, &path)?.replacing(force))
 }
 
-fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
+fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
     let protocol = args.choice.protocol()?;
     say_warnings(&protocol);
     let usual = || Path::new("studies").join(&protocol.name);
@@ -315,7 +315,7 @@ fn say_warnings(protocol: &Protocol) {
 }
 
 /// Reports a complete study. For an incomplete study, prints the results of its finished trials.
-fn report(path: &Path, force: bool, format: Format, out: &mut impl Write) -> Result<(), Failure> {
+fn report(path: &Path, force: bool, format: Format, out: &mut Results) -> Result<(), Failure> {
     // A running study can be read, but nothing can be written to its folder.
     let (folder, busy) = match StudyFolder::read_locked(path) {
         Err(busy) if busy.kind() == ErrorKind::InUse => (StudyFolder::read(path)?, Some(busy)),
@@ -330,7 +330,7 @@ fn report(path: &Path, force: bool, format: Format, out: &mut impl Write) -> Res
 }
 
 /// Writes the tables and the report of a complete study, and prints the result.
-fn finish(folder: &StudyFolder, format: Format, out: &mut impl Write) -> Result<(), Failure> {
+fn finish(folder: &StudyFolder, format: Format, out: &mut Results) -> Result<(), Failure> {
     folder.write_tables()?;
     let mut report = Report::new(folder);
     report.write(folder)?;
@@ -343,7 +343,7 @@ fn print_report(
     report: &Report,
     format: Format,
     written: Option<&StudyFolder>,
-    out: &mut impl Write,
+    out: &mut Results,
 ) -> Result<(), Failure> {
     match format {
         Format::Text => {

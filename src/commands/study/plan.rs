@@ -1,6 +1,5 @@
 //! `xcscr study plan`: shows the trials of a study.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -9,6 +8,7 @@ use xcscr::study::{Arm, PlannedStudy, Protocol};
 use super::choice::ChoiceArgs;
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
+use crate::commands::results::{Results, Unwritten};
 use crate::commands::terminal::say;
 
 /// Arguments of `study plan`.
@@ -42,7 +42,7 @@ struct Outline {
 }
 
 /// Prints the outline of a study, and freezes the study if there is a folder for it.
-pub(super) fn run(args: &PlanArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub(super) fn run(args: &PlanArgs, out: &mut Results) -> Result<(), Failure> {
     let protocol = args.choice.protocol()?;
     super::say_warnings(&protocol);
     let outline = Outline::of(&protocol, args.tasks);
@@ -75,7 +75,7 @@ impl Outline {
         }
     }
 
-    fn print(&self, out: &mut impl Write) -> std::io::Result<()> {
+    fn print(&self, out: &mut Results) -> Result<(), Unwritten> {
         let (study, plan, trials) = (&self.study, &self.plan, self.trials);
         writeln!(out, "study {study}, plan {plan}, root seed {}", self.seed)?;
         for arm in &self.arms {

@@ -1,7 +1,5 @@
 //! `xcscr study status` for a planned study: the states of its tasks.
 
-use std::io::Write;
-
 use serde::Serialize;
 use xcscr::disk::typed;
 use xcscr::study::{PlannedStudy, Slurm, StudyFolder, TaskState};
@@ -9,6 +7,7 @@ use xcscr::study::{PlannedStudy, Slurm, StudyFolder, TaskState};
 use super::status::head;
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
+use crate::commands::results::{Results, Unwritten};
 
 /// The states of the tasks of a study, as `study status --json` prints them.
 #[derive(Debug, Serialize)]
@@ -61,7 +60,7 @@ impl PlannedStatus {
         &self,
         planned: &PlannedStudy,
         json: bool,
-        out: &mut impl Write,
+        out: &mut Results,
     ) -> Result<(), Failure> {
         if json {
             return print_json(self, out);
@@ -86,7 +85,7 @@ impl PlannedStatus {
     }
 
     /// Prints the next command.
-    fn print_next(&self, planned: &PlannedStudy, out: &mut impl Write) -> std::io::Result<()> {
+    fn print_next(&self, planned: &PlannedStudy, out: &mut Results) -> Result<(), Unwritten> {
         let folder = typed(planned.path());
         match (&self.array[..], self.finished == self.trials) {
             (_, true) => writeln!(out, "next: xcscr study merge {folder}"),

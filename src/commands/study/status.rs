@@ -1,12 +1,11 @@
 //! `xcscr study status`: lists missing and failed trials.
 
-use std::io::Write;
-
 use serde::Serialize;
 use xcscr::study::{Arm, Shard, Slurm, StudyFolder};
 
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
+use crate::commands::results::Results;
 
 /// The most arms with all trials listed that get a line each.
 const MANY_ARMS: usize = 8;
@@ -70,7 +69,7 @@ impl Status {
         }
     }
 
-    pub fn print(&self, json: bool, out: &mut impl Write) -> Result<(), Failure> {
+    pub fn print(&self, json: bool, out: &mut Results) -> Result<(), Failure> {
         if json {
             return print_json(self, out);
         }

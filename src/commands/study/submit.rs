@@ -1,6 +1,5 @@
 //! `xcscr study submit`: submits the tasks of a study to a cluster.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
@@ -8,6 +7,7 @@ use xcscr::study::{PlannedStudy, Queued, Slurm, StudyFolder, TaskState};
 
 use super::choice::ChoiceArgs;
 use crate::commands::failure::Failure;
+use crate::commands::results::Results;
 
 /// Arguments of `study submit`.
 #[derive(Debug, clap::Args)]
@@ -53,7 +53,7 @@ enum Engine {
 }
 
 /// Submits the tasks that are neither finished nor in the queue.
-pub(super) fn run(args: &SubmitArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub(super) fn run(args: &SubmitArgs, out: &mut Results) -> Result<(), Failure> {
     let Engine::Slurm = args.engine;
     let protocol = args.choice.protocol()?;
     super::say_warnings(&protocol);
@@ -112,7 +112,7 @@ fn nothing_to_do(planned: &PlannedStudy, queue: &[Queued]) -> String {
 }
 
 /// Prints the scripts and the commands that submit them.
-fn show(slurm: &Slurm, planned: &PlannedStudy, out: &mut impl Write) -> Result<(), Failure> {
+fn show(slurm: &Slurm, planned: &PlannedStudy, out: &mut Results) -> Result<(), Failure> {
     let tasks = match PlannedStudy::is_in(planned.path()) {
         true => open_tasks(planned, &[])?,
         false => (1..=planned.tasks()).collect(),

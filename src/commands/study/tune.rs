@@ -1,6 +1,5 @@
 //! `xcscr study tune`: searches for the best settings.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use xcscr::ErrorKind;
@@ -12,6 +11,7 @@ use super::progress::Progress;
 use super::{Format, finish};
 use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
+use crate::commands::results::Results;
 
 /// Arguments of `study tune`.
 #[derive(Debug, clap::Args)]
@@ -37,7 +37,7 @@ pub struct TuneArgs {
 }
 
 /// Continues a search to its end, or until a cluster must run tasks.
-pub(super) fn run(args: &TuneArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub(super) fn run(args: &TuneArgs, out: &mut Results) -> Result<(), Failure> {
     let protocol = args.choice.protocol()?;
     super::say_warnings(&protocol);
     let tasks = args.tasks.map_or(1, |tasks| tasks as usize);
@@ -73,7 +73,7 @@ fn to_run(planned: &PlannedStudy) -> Failure {
 }
 
 /// Prints the course of the search, and the results of the finalists on fresh seeds.
-fn show(found: &Found, out: &mut impl Write) -> Result<(), Failure> {
+fn show(found: &Found, out: &mut Results) -> Result<(), Failure> {
     for (i, rung) in found.rungs.iter().enumerate() {
         writeln!(
             out,
@@ -95,7 +95,7 @@ fn show(found: &Found, out: &mut impl Write) -> Result<(), Failure> {
     finish(&folder, Format::Text, out)
 }
 
-fn show_rung(rung: &Rung, out: &mut impl Write) -> Result<(), Failure> {
+fn show_rung(rung: &Rung, out: &mut Results) -> Result<(), Failure> {
     for one in &rung.standings {
         let verdict = match one.verdict {
             Verdict::Stays => "stays",
