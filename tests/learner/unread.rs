@@ -13,7 +13,7 @@ use crate::kit;
 type Choice = (Method, ArenaKind, Sensor);
 
 /// Settings under which others count.
-const BASES: [&str; 11] = [
+const BASES: [&str; 21] = [
     "xcs.population_size=60",
     "arena.slip=0.1",
     "sensor.flip_probability=0.02",
@@ -21,9 +21,19 @@ const BASES: [&str; 11] = [
     "plus.planned_exploration=false",
     "reward.sharing=even",
     "reward.learning_rate_switching=false",
+    "reward.imprinting=false",
+    "reward.short_term_filter=false",
+    "reward.learning_step_threshold=false",
+    "xcs.ga=false",
+    "xcs.ga_subsumption=false",
+    "xcs.action_set_subsumption=false",
+    "plus.collision_rules=false",
     "plus.estimator=map",
     "plus.estimator=percept",
     "physics.cautious.when=always",
+    "physics.cautious.when=never",
+    "physics.localisation=estimated",
+    "physics.noise=0",
     "physics.faults.stuck_encoder=true",
 ];
 
@@ -119,9 +129,14 @@ fn driven(sensor: Sensor) -> Choice {
     (Method::QLearning, ArenaKind::Physics, sensor)
 }
 
-/// The defaults, and each of the settings under which others count, as far as it counts itself.
+/// The defaults, and each of the settings under which others count, as far as it counts itself. No learner builds a map
+/// from a percept without the surroundings.
 fn bases(choice: Choice) -> impl Iterator<Item = Vec<String>> {
-    let counts = move |base: &&&str| reads(choice, &[], base.split('=').next().unwrap());
+    let can_map = choice.2.begins_with_neighbours();
+    let counts = move |base: &&&str| {
+        let is_map = **base == "plus.estimator=map";
+        reads(choice, &[], base.split('=').next().unwrap()) && (can_map || !is_map)
+    };
     let each = BASES.iter().filter(counts);
     std::iter::once(vec![]).chain(each.map(|base| vec![(*base).to_owned()]))
 }
@@ -131,8 +146,10 @@ fn a_setting_that_a_run_is_said_not_to_read_changes_nothing_in_it() {
     let all = changes();
     let on_the_grid = Method::ALL.iter().copied().map(grid);
     let in_physics = [Sensor::Neighbours, Sensor::Lidar].map(driven);
+    let other_percepts = [Sensor::Position, Sensor::NeighboursPosition]
+        .map(|sensor| (Method::XcscrPlus, ArenaKind::Grid, sensor));
     let mut compared = 0;
-    for choice in on_the_grid.chain(in_physics) {
+    for choice in on_the_grid.chain(in_physics).chain(other_percepts) {
         for base in bases(choice) {
             let unread = |key: &&String| !reads(choice, &base, key);
             let unread: Vec<&String> = all.keys().filter(unread).collect();

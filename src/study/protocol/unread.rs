@@ -169,7 +169,7 @@ mod tests {
             ("", &["xcs.mu=0.1"], "--set"),
         ] {
             let message = protocol(TABLE, more, sets).unwrap_err().to_string();
-            let why = "has no effect: the method `q-learning` does not read it; `xcs`, ";
+            let why = "has no effect: the method `q-learning` does not read it; `xcs`";
             let is_told = message.starts_with(&format!("{place}: `xcs.")) && message.contains(why);
             assert!(is_told, "{message}");
             // Control: another method reads it.

@@ -35,7 +35,7 @@ pub use greedy::GreedySteps;
 pub use history::{PredictionChange, RuleHistory};
 pub use judge::{Judge, steps_to_goal};
 pub use plan::{Config, Plan, PlanError};
-pub use readers::{ReadBy, Reader, Scope};
+pub use readers::{ReadBy, Scope};
 pub use resolve::Resolved;
 pub use resolve::{FROM_MAZE, STEP_THRESHOLD, flatten, similar, value_of};
 pub use robot::{RobotError, RobotProfile};
