@@ -4,7 +4,7 @@ use toml::Table;
 
 use super::file::{Document, NOTHING};
 use super::overrides::Overrides;
-use super::unread::{refuse_duplicates, refuse_unread};
+use super::unread::{refuse_duplicates, refuse_unread, run_repeated_trials_once};
 use super::variants::{product, variants, with_entry};
 use super::{Arm, MOST_ARMS, MOST_GENERATED, MOST_WORLDS, Protocol, StudyFile, Variant};
 use crate::agent::Method;
@@ -120,6 +120,7 @@ fn arms(
     arms.retain(|arm| !arm.leaves_out_missing_part());
     // A sample is drawn for all methods together: one method may ignore what another reads.
     if file.document.sample.is_none() {
+        run_repeated_trials_once(&mut arms);
         refuse_duplicates(&file.origin, &arms)?;
     }
     Ok(arms)

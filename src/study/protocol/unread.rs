@@ -6,11 +6,19 @@ use toml::Table;
 
 use super::overrides::Overrides;
 use super::variants::Variation;
-use super::{Arm, NOTHING, StudyFile};
+use super::{Arm, NOTHING, StudyFile, Variant};
 use crate::arena::ArenaKind;
 use crate::error::Error;
 use crate::study::error;
 use crate::trial::{Scope, SettingOrigin, SettingsError, flatten};
+
+impl Variant {
+    /// Returns the keys of the entries that `other` does not have, or has with another value.
+    fn differing<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = &'a String> {
+        let differs = |(key, value): &(&String, _)| other.0.get(*key) != Some(*value);
+        self.0.iter().filter(differs).map(|(key, _)| key)
+    }
+}
 
 impl Arm {
     /// Returns the choices that determine which settings are read.
@@ -103,6 +111,32 @@ fn refuse(keys: Vec<String>, origin: SettingOrigin, arms: &[&Arm]) -> Result<(),
     })
 }
 
+/// Removes each arm that would repeat the trials of an earlier one because the study varies a switch together with a
+/// setting that only some values of the switch need. Each of the settings in which the two differ counts in another arm
+/// with the same method, arena and percept.
+pub(super) fn run_repeated_trials_once(arms: &mut Vec<Arm>) {
+    let all = arms.clone();
+    let mut places: HashMap<String, Vec<&Arm>> = HashMap::new();
+    for arm in &all {
+        places.entry(arm.place()).or_default().push(arm);
+    }
+    let mut met: HashMap<String, Variant> = HashMap::new();
+    arms.retain(|arm| {
+        let there = &places[&arm.place()];
+        if there.len() == 1 {
+            return true;
+        }
+        let inputs = arm.effective_inputs();
+        let Some(twin) = met.get(&inputs) else {
+            met.insert(inputs, arm.variant.clone());
+            return true;
+        };
+        let counts = |key: &String| there.iter().any(|other| other.scope().reads(key));
+        let mut differing = arm.variant.differing(twin).peekable();
+        differing.peek().is_none() || !differing.all(counts)
+    });
+}
+
 /// Rejects arms whose trials, and so whose rows, would be identical.
 pub(in crate::study) fn refuse_duplicates(origin: &str, arms: &[Arm]) -> Result<(), Error> {
     let mut places: HashMap<String, usize> = HashMap::new();
@@ -114,9 +148,8 @@ pub(in crate::study) fn refuse_duplicates(origin: &str, arms: &[Arm]) -> Result<
         let Some(twin) = met.insert(arm.effective_inputs(), arm) else {
             continue;
         };
-        let (mine, its) = (&arm.variant.0, &twin.variant.0);
-        let mut keys = mine.keys().filter(|key| its.get(*key) != mine.get(*key));
-        let why = keys.next().map_or(String::new(), |key| {
+        let key = arm.variant.differing(&twin.variant).next();
+        let why = key.map_or(String::new(), |key| {
             format!(" (`{key}`: {})", arm.scope().why_unread(key))
         });
         let fault = format!(
@@ -193,6 +226,30 @@ mod tests {
         }
         assert_eq!(protocol("\"xcs\"", sweep, &[]).unwrap().arms.len(), 2);
         protocol(TABLE, &arenas.replace("\"grid\", ", ""), &[]).unwrap();
+    }
+
+    #[test]
+    fn a_switch_and_its_parameter_are_swept_together_without_repeated_trials() {
+        let sweep = "[sweep]\n\"reward.imprinting\" = [true, false]\n\"reward.theta_x\" = [0.2, 0.5, 0.8]\n";
+        let study = protocol("\"xcscr\"", sweep, &[]).unwrap();
+        let names = study.arms.iter().map(|arm| arm.variant.to_string());
+        let expected = [
+            "reward.imprinting=true reward.theta_x=0.2",
+            "reward.imprinting=true reward.theta_x=0.5",
+            "reward.imprinting=true reward.theta_x=0.8",
+            "reward.imprinting=false reward.theta_x=0.2",
+        ];
+        assert!(names.eq(expected), "{:?}", study.arms);
+        // The parameter alone, without the part that reads it.
+        let off = format!("[settings]\n\"reward.imprinting\" = false\n{sweep}");
+        let off = off.replace("\"reward.imprinting\" = [true, false]\n", "");
+        let message = protocol("\"xcscr\"", &off, &[]).unwrap_err().to_string();
+        let why = "the method `xcscr` does not read it here; `xcscr` with `reward.imprinting=true`";
+        assert!(message.contains(why), "{message}");
+        // A part that is left out.
+        let without =
+            "without = [\"plus.collision_rules\"]\n[sweep]\n\"plus.certainty\" = [1, 32]\n";
+        assert_eq!(protocol("\"r-max\"", without, &[]).unwrap().arms.len(), 3);
     }
 
     #[test]
