@@ -30,11 +30,10 @@ impl RunKind {
         }
     }
 
-    /// Returns the kind with this value of [`KIND`]. Unknown values give [`Training`](Self::Training).
-    pub(super) fn of_entry(text: Option<&str>) -> Self {
-        let named = [Self::Evaluation, Self::External];
-        let found = named.into_iter().find(|kind| kind.entry() == text);
-        found.unwrap_or(Self::Training)
+    /// Returns the kind with this value of [`KIND`]; `None` for an unknown value.
+    pub(super) fn of_entry(text: Option<&str>) -> Option<Self> {
+        let all = [Self::Training, Self::Evaluation, Self::External];
+        all.into_iter().find(|kind| kind.entry() == text)
     }
 }
 

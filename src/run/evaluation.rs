@@ -88,8 +88,8 @@ fn clear_evaluation(folder: &Path, force: bool) -> Result<(), Error> {
         names.contains(&format!("{run}.part")) && !names.iter().any(|name| is_of_a_training(name))
     };
     let recording = Recording::open(&folder.join(&run));
-    let is_evaluation =
-        recording.is_ok_and(|run| run.run_kind() == RunKind::Evaluation) || is_unfinished(&names);
+    let is_finished = recording.is_ok_and(|run| matches!(run.run_kind(), Ok(RunKind::Evaluation)));
+    let is_evaluation = is_finished || is_unfinished(&names);
     if !is_evaluation || names.len() < entries.len() || !names.iter().all(|name| is_of_a_run(name))
     {
         return Err(error::foreign(folder));

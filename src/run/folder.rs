@@ -12,8 +12,9 @@ use super::error;
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK};
 use crate::error::{Error, ErrorKind, world_for_run};
-use crate::record::RecordingKind;
+use crate::record::reader::Recording;
 use crate::record::resume_hint::{CHECKPOINT, way_to_resume};
+use crate::record::{RecordingKind, RunKind};
 use crate::trial::{CheckpointError, Config, Plan, seal, unseal};
 use crate::world::Maze;
 
@@ -241,10 +242,17 @@ impl RunFolder {
         self.remove(CHECKPOINT)
     }
 
+    /// Returns true if the folder contains a finished evaluation.
+    fn is_evaluation(&self) -> bool {
+        let run = Recording::open(&self.path.join(RecordingKind::Run.file_name()));
+        run.is_ok_and(|run| matches!(run.run_kind(), Ok(RunKind::Evaluation)))
+    }
+
     fn existing(&self, name: &str) -> Result<PathBuf, Error> {
         let path = self.path.join(name);
         match path.exists() {
             true => Ok(path),
+            false if self.is_evaluation() => Err(error::evaluation(&self.path)),
             false => Err(world_for_run(&self.path).unwrap_or_else(|| {
                 let (path, folder) = (path.display(), self.path.display());
                 let message =

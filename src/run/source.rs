@@ -39,7 +39,15 @@ impl Source {
     /// # Errors
     /// If the file cannot be read, or does not contain the facts of its run.
     pub fn of(file: &Path) -> Result<Self, Error> {
-        let recording = Recording::open(file)?;
+        Self::of_recording(&Recording::open(file)?)
+    }
+
+    /// Returns the run of a recording that was read.
+    ///
+    /// # Errors
+    /// If the recording does not contain the facts of its run.
+    pub fn of_recording(recording: &Recording) -> Result<Self, Error> {
+        let file = recording.path();
         let metadata = recording.metadata("run");
         let entry = |key: &str| metadata.and_then(|m| m.get(key)).map_or("", String::as_str);
         let extent = RecordingKind::of_entry(entry("episode"));
@@ -50,21 +58,22 @@ impl Source {
             );
             return Err(ErrorKind::BadData.error(message));
         }
+        let kind = recording.run_kind()?;
         let run = Rerun {
-            plan: attached_plan(&recording, "")?,
-            evaluated: match recording.run_kind() {
-                RunKind::Evaluation => Some(attached_to_run(file, &recording, RULES)?),
-                _ => None,
+            plan: attached_plan(recording, "")?,
+            evaluated: match kind {
+                RunKind::Evaluation => Some(attached_to_run(file, recording, RULES)?),
+                RunKind::Training | RunKind::External => None,
             },
-            external: match recording.run_kind() {
-                RunKind::External => Some(attached_to_run(file, &recording, EXTERNAL_EPISODES)?),
-                _ => None,
+            external: match kind {
+                RunKind::External => Some(attached_to_run(file, recording, EXTERNAL_EPISODES)?),
+                RunKind::Training | RunKind::Evaluation => None,
             },
         };
         Ok(Self {
             file: file.to_owned(),
             run,
-            mode: recorded_mode(&recording, "run")?,
+            mode: recorded_mode(recording, "run")?,
             extent,
             bytes: recording.bytes().to_vec(),
         })

@@ -56,7 +56,7 @@ fn check_and_verify_accept_a_recording_of_an_external_agent_in_both_arenas() {
         let words = "3 of 3 recordings are bit-identical";
         assert!(said.contains(words), "{said}");
         let episode = desk.recording("run/ep-0002.mcap");
-        assert_eq!(episode.run_kind(), RunKind::External);
+        assert_eq!(episode.run_kind().unwrap(), RunKind::External);
         assert!(!episode.metadata("run").unwrap().contains_key("episodes"));
     }
 }

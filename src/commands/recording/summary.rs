@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use xcscr::disk;
-use xcscr::record::RecordingKind;
 use xcscr::record::reader::Recording;
+use xcscr::record::{RecordingKind, RunKind};
 
 use crate::commands::failure::Failure;
 use crate::commands::results::Results;
@@ -30,27 +30,40 @@ pub fn print(
 ) -> Result<(), Failure> {
     let recording = Recording::open(run)?;
     let episodes = recording.episodes()?;
+    let kind = recording.run_kind()?;
     let entry = |key: &str| recording.metadata("run").and_then(|run| run.get(key));
     let [world, method, arena, sensor, seed] =
         ["world", "method", "arena", "sensor", "seed"].map(|key| entry(key).map_or("?", |e| e));
+    let of = match kind {
+        RunKind::Evaluation => "evaluation of ",
+        RunKind::Training | RunKind::External => "",
+    };
     writeln!(
         out,
-        "{world}: {method} on {arena}, {sensor}, seed {seed}, {} episodes",
+        "{world}: {of}{method} on {arena}, {sensor}, seed {seed}, {} episodes",
         episodes.len()
     )?;
     let goals = episodes.iter().filter(|one| one.outcome == "goal");
     let goals: Vec<u32> = goals.map(|one| one.episode).collect();
-    write_row(out, "reached the goal", times(&goals, episodes.len()))?;
-    let optimal = episodes.iter().filter(|one| one.optimal);
-    let optimal: Vec<u32> = optimal.map(|one| one.episode).collect();
-    write_row(out, "policy optimal", times(&optimal, episodes.len()))?;
     let all = episodes.iter();
     let steps: Vec<u32> = all.map(|one| one.steps.unwrap_or(0)).collect();
-    write_row(out, "steps", change(&steps))?;
     let all = episodes.iter();
     let collisions: Vec<u32> = all.map(|one| one.collisions.unwrap_or(0)).collect();
-    write_row(out, "collisions", change(&collisions))?;
-    if let Some(last) = episodes.last() {
+    // The policy and the number of rules change only in a training.
+    if kind == RunKind::Training {
+        let optimal = episodes.iter().filter(|one| one.optimal);
+        let optimal: Vec<u32> = optimal.map(|one| one.episode).collect();
+        write_row(out, "reached the goal", times(&goals, episodes.len()))?;
+        write_row(out, "policy optimal", times(&optimal, episodes.len()))?;
+        write_row(out, "steps", change(&steps))?;
+        write_row(out, "collisions", change(&collisions))?;
+    } else {
+        let goals = format!("in {} of {}", goals.len(), episodes.len());
+        write_row(out, "reached the goal", goals)?;
+        write_row(out, "steps", spread(&steps))?;
+        write_row(out, "collisions", spread(&collisions))?;
+    }
+    if let Some(last) = episodes.last().filter(|_| kind == RunKind::Training) {
         let shortest = last
             .shortest
             .map_or("unknown".to_owned(), |few| format!("{few} steps"));
@@ -88,6 +101,14 @@ fn times(some: &[u32], all: usize) -> String {
         let count = some.len();
         format!("in {count} of {all}, first in episode {first}")
     })
+}
+
+/// Formats the mean, the least and the greatest number.
+fn spread(numbers: &[u32]) -> String {
+    let mean = mean(numbers);
+    let (least, most) = (numbers.iter().min(), numbers.iter().max());
+    let (least, most) = (least.unwrap_or(&0), most.unwrap_or(&0));
+    format!("mean {mean:.1} per episode, from {least} to {most}")
 }
 
 /// Formats the means at the beginning and at the end.

@@ -247,9 +247,19 @@ impl Recording {
     }
 
     /// Returns the kind of the run.
-    pub fn run_kind(&self) -> RunKind {
+    ///
+    /// # Errors
+    /// If this version does not know the kind.
+    pub fn run_kind(&self) -> Result<RunKind, Error> {
         let kind = self.metadata("run").and_then(|run| run.get(KIND));
-        RunKind::of_entry(kind.map(String::as_str))
+        let kind = kind.map(String::as_str);
+        RunKind::of_entry(kind).ok_or_else(|| {
+            let (file, kind) = (self.path.display(), kind.unwrap_or_default());
+            let message = format!(
+                "{file} shows a run of the unknown kind `{kind}`: a newer version of xcscr may be able to read it"
+            );
+            ErrorKind::BadData.error(message)
+        })
     }
 
     /// Returns the number of messages by topic, according to the file's own index.
