@@ -22,6 +22,12 @@ fn fault_at(place: &str, schema: &Value, value: &Value) -> Option<String> {
             let is_one = named.any(|one| one["const"] == *value);
             (!is_one).then(|| format!("{place}: {value} is none of {wanted}"))
         }
+        "required" => {
+            let mut names = wanted.as_array().unwrap().iter().filter_map(Value::as_str);
+            let fields = value.as_object()?;
+            let missing = names.find(|name| !fields.contains_key(*name))?;
+            Some(format!("{place}.{missing} is missing"))
+        }
         "description" => None,
         unknown => panic!("unsupported schema keyword `{unknown}`"),
     });

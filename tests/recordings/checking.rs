@@ -97,7 +97,11 @@ fn a_message_that_is_no_json_is_found() {
 fn a_message_that_does_not_fit_its_schema_is_found_whatever_its_encoding() {
     for (topic, data) in [
         ("/scene/policy", &b"\xff\xff\xff"[..]),
+        ("/scene/policy", b""),
         ("/tf", b"\x0a"),
+        ("/tf", b""),
+        ("/log", b""),
+        ("/step", b"{}"),
         ("/step", br#"{"episode":"one"}"#),
         ("/step", br#"{"colour":1}"#),
         ("/episode", b"[1]"),
@@ -118,4 +122,35 @@ fn a_topic_that_belongs_to_the_robot_of_the_recording_must_be_there() {
         .messages
         .retain(|message| message.topic() != "/estimate");
     has_only(&parts, "the topic /estimate is missing");
+}
+
+#[test]
+fn a_topic_without_a_message_is_found() {
+    for topic in ["/step", "/scene/policy", "/tf"] {
+        let mut parts = episode();
+        parts.messages.retain(|message| message.topic() != topic);
+        has_only(&parts, &format!("{topic} has no message"));
+    }
+}
+
+#[test]
+fn a_topic_that_no_recording_of_the_kind_has_is_found() {
+    for unknown in ["/foo", "/ended", "/a/step"] {
+        let mut parts = episode();
+        let step = parts.topics.iter().find(|topic| topic.name == "/step");
+        let mut topic = step.unwrap().clone();
+        topic.name = unknown.to_owned();
+        parts.topics.push(topic);
+        has_only(&parts, &format!("the topic {unknown} is unknown"));
+    }
+}
+
+#[test]
+fn a_run_of_an_unknown_kind_is_found_and_not_taken_for_a_training() {
+    let mut parts = episode();
+    parts.run.insert("kind".to_owned(), "dream".to_owned());
+    has_only(&parts, "a run of the unknown kind `dream`");
+    let desk = Desk::new();
+    desk.write("copy.mcap", parts.write(WriteOptions::new()));
+    desk.fails(65, "map @copy.mcap -o @x.svg", "unknown kind `dream`");
 }

@@ -115,8 +115,14 @@ fn where_null_stands_for_unknown_the_schema_of_highlights_says_so() {
 #[test]
 fn a_message_that_breaks_its_schema_is_told_from_one_that_keeps_it() {
     let schema = &schemas(&sample())["/episode"];
+    let complete =
+        json!({"episode": 1, "outcome": "goal", "state": 3, "policy": 3, "optimal": true});
     for (message, expected) in [
         (json!({"episode": 1, "state": 3, "reward": 0.5}), ""),
+        (
+            json!({"episode": null}),
+            ".episode: null is not \"integer\"",
+        ),
         (json!({"start_values": [1.0, 2]}), ""),
         (
             json!({"generality": null}),
@@ -133,10 +139,20 @@ fn a_message_that_breaks_its_schema_is_told_from_one_that_keeps_it() {
             ".optimal: \"yes\" is not \"boolean\"",
         ),
         (json!({"colour": 1}), ".colour is not in the schema"),
-        (json!([]), ": [] is not \"object\""),
     ] {
-        let found = fault(schema, &message).unwrap_or_default();
+        let mut whole = complete.clone();
+        whole
+            .as_object_mut()
+            .unwrap()
+            .extend(message.as_object().unwrap().clone());
+        let found = fault(schema, &whole).unwrap_or_default();
         assert!(found.starts_with(expected), "{message}: {found}");
         assert_eq!(found.is_empty(), expected.is_empty(), "{message}: {found}");
+    }
+    for (message, expected) in [
+        (json!([]), ": [] is not \"object\""),
+        (json!({"episode": 1}), ".outcome is missing"),
+    ] {
+        assert_eq!(fault(schema, &message).as_deref(), Some(expected));
     }
 }

@@ -7,7 +7,7 @@ use super::reader::{Message, Recording};
 use crate::disk;
 use crate::error::Error;
 use crate::record::error;
-use crate::record::info::RecordingKind;
+use crate::record::info::{RecordingKind, RunKind};
 use crate::record::json::json_tree;
 use crate::record::layout;
 use crate::record::mode::RecordMode;
@@ -82,6 +82,7 @@ fn check_facts(recording: &Recording, findings: &mut Vec<String>) {
         let what = "the metadata record `run` is missing";
         findings.push(what.to_owned());
     }
+    findings.extend(recording.run_kind().err().map(|error| error.to_string()));
 }
 
 /// Returns the topic without the prefix of its side in a comparison.
@@ -99,9 +100,20 @@ fn check_topics(recording: &Recording, findings: &mut Vec<String>) {
         // A recording without a kind is checked as an episode.
         kind => kind.unwrap_or(RecordingKind::Episode(1)),
     };
+    let mut known = BTreeSet::new();
     for side in sides(recording) {
-        check_side(&side, kind, recording, findings);
+        known.extend(check_side(&side, kind, recording, findings));
     }
+    let unknown = recording.topics().into_iter().map(|topic| topic.name);
+    let unknown = unknown.filter(|name| !known.contains(name));
+    let unknown = unknown.map(|name| format!("the topic {name} is unknown in such a recording"));
+    findings.extend(unknown.take(MAX_LISTED));
+}
+
+/// Returns true if an external agent finished no episode. All other recordings have an episode.
+fn has_no_episode(recording: &Recording) -> bool {
+    let is_external = matches!(recording.run_kind(), Ok(RunKind::External));
+    is_external && recording.topics().iter().all(|topic| topic.messages == 0)
 }
 
 /// Returns whether the robot estimates its pose, and whether its lidar beams are recorded. The
@@ -120,17 +132,25 @@ fn sensing(side: &str, recording: &Recording) -> [bool; 2] {
     [config.is_some_and(|config| config.senses()), beams]
 }
 
-/// Checks the topics of a recording, or of a side of a comparison.
-fn check_side(side: &str, kind: RecordingKind, recording: &Recording, findings: &mut Vec<String>) {
-    let present = recording.topics();
+/// Checks the topics of a recording, or of a side of a comparison. Returns the names of those that it
+/// may have.
+fn check_side(
+    side: &str,
+    kind: RecordingKind,
+    recording: &Recording,
+    findings: &mut Vec<String>,
+) -> Vec<String> {
+    let (present, is_empty) = (recording.topics(), has_no_episode(recording));
+    let named = |topic: &Topic| topic.name().replacen('/', &format!("/{side}"), 1);
     let expected = if kind == RecordingKind::Run {
         Topic::of_run()
     } else {
         let [senses, beams] = sensing(side, recording);
         Topic::of_episode(senses, beams && kind != RecordingKind::Highlights)
     };
+    let known = expected.iter().map(named).collect();
     for topic in expected {
-        let name = topic.name().replacen('/', &format!("/{side}"), 1);
+        let name = named(&topic);
         let schema = topic.schema(kind);
         let found = present.iter().find(|found| found.name == name);
         let what = match found {
@@ -142,10 +162,14 @@ fn check_side(side: &str, kind: RecordingKind, recording: &Recording, findings: 
             Some(found) if found.schema_data != *schema.data => {
                 format!("{name} has another version of the schema `{}`", schema.name)
             }
+            Some(found) if found.messages == 0 && topic.is_never_silent() && !is_empty => {
+                format!("{name} has no message")
+            }
             Some(_) => continue,
         };
         findings.push(what);
     }
+    known
 }
 
 fn check_messages(recording: &Recording, findings: &mut Vec<String>) {

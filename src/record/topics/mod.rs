@@ -196,14 +196,19 @@ impl Topic {
         matches!(self.entry().1, Scope::Sensed | Scope::Beams)
     }
 
+    /// Returns true if every complete recording with this topic has a message on it.
+    pub(super) fn is_never_silent(self) -> bool {
+        self.entry().1 != Scope::Beams
+    }
+
     fn at(has: impl Fn(Scope) -> bool) -> Vec<Self> {
         let all = Self::ALL.iter().copied();
         all.filter(|topic| has(topic.entry().1)).collect()
     }
 
     /// Returns the schema of the topic's messages in recordings of this kind. Schemas of our own
-    /// messages explain each field in run and highlights recordings. In the many episode recordings
-    /// they only give its type.
+    /// messages explain each field in run and highlights recordings, and name the required ones. In
+    /// the many episode recordings they only give the types.
     pub(super) fn schema(self, of: RecordingKind) -> &'static Schema {
         static SCHEMAS: LazyLock<[Vec<Schema>; 2]> = LazyLock::new(|| {
             [false, true].map(|explained| {
@@ -228,16 +233,21 @@ impl Topic {
 
     /// Returns the first fault of a message against the topic's schema.
     pub(super) fn fault(self, data: &[u8]) -> Option<String> {
-        static FIELDS: LazyLock<Vec<serde_json::Value>> = LazyLock::new(|| {
+        static TREES: LazyLock<Vec<serde_json::Value>> = LazyLock::new(|| {
             let all = Topic::ALL.iter();
-            all.map(|topic| schema::fields(topic.schema(RecordingKind::Run)))
+            all.map(|topic| schema::tree(topic.schema(RecordingKind::Run)))
                 .collect()
         });
         if let Message::Own(..) = self.message() {
-            return schema::fault(&FIELDS[self as usize], data);
+            return schema::fault(&TREES[self as usize], data);
         }
-        let fault = WellKnown::decode(self, data).err()?;
-        Some(format!("does not match its schema: {fault}"))
+        match WellKnown::decode(self, data) {
+            Err(fault) => Some(format!("does not match its schema: {fault}")),
+            Ok(message) => {
+                let is_empty = message.is_some_and(|mut message| message.times().is_empty());
+                is_empty.then(|| "is empty".to_owned())
+            }
+        }
     }
 
     /// Returns the encoding of the topic's messages: `json` or `protobuf`.

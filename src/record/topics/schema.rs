@@ -12,8 +12,11 @@ use crate::record::json::json_tree;
 
 /// Begins the meaning of a field.
 const MEANING: &str = r#","description":""#;
+/// Begins the list of the fields that every message has, at the end of a schema.
+const REQUIRED: &str = r#","required":["#;
 
-/// Returns the schema of a file; `explained` keeps the meaning of each field.
+/// Returns the schema of a file; `explained` keeps the meaning of each field, and which fields are
+/// required.
 pub(super) fn schema(name: &str, file: &str, explained: bool) -> Schema {
     let text: String = file.lines().map(str::trim).collect();
     let text = match explained {
@@ -27,37 +30,42 @@ pub(super) fn schema(name: &str, file: &str, explained: bool) -> Schema {
     }
 }
 
-/// Removes the meanings, which contain no quotation marks.
+/// Removes the meanings, which contain no quotation marks, and the list of required fields.
 fn brief(text: &str) -> String {
+    let fields = text.split_once(REQUIRED);
+    let text = fields.map_or(text.to_owned(), |(fields, _)| format!("{fields}}}"));
     let mut parts = text.split(MEANING);
     let first = parts.next().into_iter();
     let rest = parts.filter_map(|part| Some(part.split_once('"')?.1));
     first.chain(rest).collect()
 }
 
-/// Returns the fields of a schema; null for other schemas than JSON.
-pub(super) fn fields(schema: &Schema) -> Value {
-    json_tree(&schema.data).unwrap_or_default()["properties"].take()
+/// Returns the tree of a schema; null for other schemas than JSON.
+pub(super) fn tree(schema: &Schema) -> Value {
+    json_tree(&schema.data).unwrap_or_default()
 }
 
-/// Returns the first fault of a message against the fields of its schema: it must be an object with
-/// known fields of the right types.
-pub(super) fn fault(known: &Value, data: &[u8]) -> Option<String> {
+/// Returns the first fault of a message against its schema: it must be an object with known fields of
+/// the right types, and with all required ones.
+pub(super) fn fault(schema: &Value, data: &[u8]) -> Option<String> {
     let Some(message) = json_tree(data) else {
         return Some("is not JSON, or too large for a message of xcscr".to_owned());
     };
     let Some(fields) = message.as_object() else {
         return Some("is not a JSON object".to_owned());
     };
-    fields
-        .iter()
-        .find_map(|(name, value)| match known.get(name) {
-            None => Some(format!("has an unknown field `{name}`")),
-            Some(field) if !admits(field, value) => Some(format!(
-                "has a field `{name}` whose type differs from the schema"
-            )),
-            Some(_) => None,
-        })
+    let wrong = |(name, value): (&String, &Value)| match schema["properties"].get(name) {
+        None => Some(format!("has an unknown field `{name}`")),
+        Some(field) if !admits(field, value) => Some(format!(
+            "has a field `{name}` whose type differs from the schema"
+        )),
+        Some(_) => None,
+    };
+    let required = schema["required"].as_array().into_iter().flatten();
+    let mut required = required.filter_map(Value::as_str);
+    let missing = required.find(|name| !fields.contains_key(*name));
+    let missing = || Some(format!("has no field `{}`", missing?));
+    fields.iter().find_map(wrong).or_else(missing)
 }
 
 /// Returns true if a field can have this value. An unknown number in a list is null.
@@ -80,12 +88,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_brief_schema_has_all_fields_without_their_meaning() {
+    fn a_brief_schema_has_the_types_of_all_fields_only() {
         let file = include_str!("episode.json");
         let [brief, explained] = [false, true].map(|explained| -> Value {
             serde_json::from_slice(&schema("xcscr.Test", file, explained).data).unwrap()
         });
         let mut without = explained.clone();
+        without.as_object_mut().unwrap().remove("required").unwrap();
         for field in without["properties"].as_object_mut().unwrap().values_mut() {
             let meaning = field.as_object_mut().unwrap().remove("description");
             assert!(meaning.is_some_and(|meaning| meaning.is_string()));
