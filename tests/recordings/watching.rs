@@ -141,6 +141,12 @@ fn the_links_name_the_files_and_the_layout_of_each_kind() {
     }
     let first = "Highlights of the run in maze4: xcscr-plus, seed 1\n";
     assert!(text.starts_with(first), "{text}");
+    // Episodes that no link opens are not read.
+    desk.write("run/ep-0001.mcap", "damaged");
+    let again = Served::new(&desk, "@run").lines.concat();
+    assert!(again.contains("(the last 10 of 12)"), "{again}");
+    desk.write("run/ep-0012.mcap", "damaged");
+    desk.fails(65, "replay @run", "ep-0012.mcap");
     for (words, count) in [
         ("ds.url=http%3A%2F%2F127.0.0.1%3A", 2 * (10 + 1 + 1)),
         ("&layoutUrl=http%3A%2F%2F", 3),

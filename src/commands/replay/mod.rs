@@ -102,6 +102,7 @@ fn compare(args: &ReplayArgs, out: &mut Results) -> Result<(), Failure> {
         what: format!("A: {of_a}\nB: {of_b}"),
         layout: comparison.layout,
         files: vec![file],
+        left_out: 0,
     };
     serve::run(vec![offer], &args.service(), out)
 }

@@ -65,7 +65,7 @@ fn page_of(path: &Path, out: &mut Results) -> Result<String, Failure> {
 }
 
 /// Returns true if a file is the finished recording of an episode of a run, by its name.
-fn is_episode(file: &Path) -> bool {
+pub(super) fn is_episode(file: &Path) -> bool {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     name.starts_with("ep-") && name.ends_with(".mcap")
 }

@@ -1,5 +1,6 @@
 //! `xcscr replay`: prints links that open recordings in a viewer.
 
+use std::collections::BTreeMap;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
@@ -12,6 +13,7 @@ use xcscr::run::Source;
 use xcscr::trial::Plan;
 
 use super::browser;
+use super::page::is_episode;
 use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
 use crate::commands::results::Results;
@@ -38,6 +40,8 @@ pub struct Offer {
     pub layout: String,
     /// The recordings.
     pub files: Vec<PathBuf>,
+    /// The number of earlier recordings that no link opens.
+    pub left_out: usize,
 }
 
 /// Serves until Ctrl-C.
@@ -72,19 +76,45 @@ pub fn run(offers: Vec<Offer>, service: &Service<'_>, out: &mut Results) -> Resu
 }
 
 /// Groups the recordings by run and kind, highlights first and comparisons last. Recordings of two
-/// runs would interleave in a viewer.
+/// runs would interleave in a viewer. Of the episodes in a folder, only the last ones are read,
+/// because links open no others.
 pub fn offers(files: &[PathBuf]) -> Result<Vec<Offer>, Failure> {
     let mut groups: Vec<(Kind, Option<Plan>, Offer)> = Vec::new();
-    for file in files {
-        let (kind, plan, offer) = group(file)?;
+    let (last, mut left_out) = last_episodes(files);
+    for file in last {
+        let (kind, plan, mut offer) = group(file)?;
+        if is_episode(file) {
+            offer.left_out = left_out.remove(&file.parent()).unwrap_or(0);
+        }
         let mut known = groups.iter_mut();
         match known.find(|group| plan.is_some() && (group.0, &group.1) == (kind, &plan)) {
-            Some((.., known)) => known.files.extend(offer.files),
+            Some((.., known)) => {
+                known.files.extend(offer.files);
+                known.left_out += offer.left_out;
+            }
             None => groups.push((kind, plan, offer)),
         }
     }
     groups.sort_by_key(|(kind, ..)| *kind);
     Ok(groups.into_iter().map(|(.., offer)| offer).collect())
+}
+
+/// Returns the files without all but the last episodes of each folder, and the number of those left
+/// out by folder.
+fn last_episodes(files: &[PathBuf]) -> (Vec<&PathBuf>, BTreeMap<Option<&Path>, usize>) {
+    let (mut last, mut left_out) = (Vec::new(), BTreeMap::new());
+    let mut counts: BTreeMap<Option<&Path>, usize> = BTreeMap::new();
+    for file in files.iter().rev() {
+        let count = counts.entry(file.parent()).or_default();
+        *count += usize::from(is_episode(file));
+        if is_episode(file) && *count > MOST_LINKED {
+            *left_out.entry(file.parent()).or_default() += 1;
+        } else {
+            last.push(file);
+        }
+    }
+    last.reverse();
+    (last, left_out)
 }
 
 /// The kinds of recordings, in the order of the offers.
@@ -107,10 +137,11 @@ fn group(file: &Path) -> Result<(Kind, Option<Plan>, Offer), Failure> {
             what: "Two runs side by side".to_owned(),
             layout: String::from_utf8_lossy(layout).into_owned(),
             files,
+            left_out: 0,
         };
         return Ok((Kind::Comparison, None, offer));
     }
-    let source = Source::of(file)?;
+    let source = Source::of_recording(&recording)?;
     let (kind, what) = match source.extent {
         RecordingKind::Highlights => (Kind::Highlights, "Highlights of the run"),
         RecordingKind::Run => (Kind::Run, "The whole run"),
@@ -125,6 +156,7 @@ fn group(file: &Path) -> Result<(Kind, Option<Plan>, Offer), Failure> {
             _ => layout::of_episode(maze),
         },
         files,
+        left_out: 0,
     };
     Ok((kind, Some(source.run.plan), offer))
 }
@@ -132,8 +164,9 @@ fn group(file: &Path) -> Result<(Kind, Option<Plan>, Offer), Failure> {
 /// Prints the links of an offer and returns the first one.
 fn print_links(server: &mut Server, offer: Offer, out: &mut Results) -> Result<String, Failure> {
     let layout = server.add("foxglove-layout.json", Content::Text(offer.layout));
+    let linked = &offer.files[offer.files.len().saturating_sub(MOST_LINKED)..];
     let mut links = Vec::new();
-    for file in &offer.files {
+    for file in linked {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let whole = file
             .canonicalize()
@@ -141,12 +174,11 @@ fn print_links(server: &mut Server, offer: Offer, out: &mut Results) -> Result<S
         links.push(server.add(&name, Content::File(whole)));
     }
     let what = offer.what;
-    let linked = &links[links.len().saturating_sub(MOST_LINKED)..];
-    match (links.len(), linked.len()) {
+    match (offer.files.len() + offer.left_out, links.len()) {
         (all, some) if some < all => writeln!(out, "{what} (the last {some} of {all})")?,
         _ => writeln!(out, "{what}")?,
     }
-    let links = viewer_links(linked, &layout);
+    let links = viewer_links(&links, &layout);
     for (viewer, link) in &links {
         write_link(&format!("{viewer:<12}"), link, out)?;
     }
