@@ -1,4 +1,5 @@
-//! Sensors, pose estimation and local mapping of a wheeled robot in a maze of square cells.
+#![doc = include_str!("../README.md")]
+//! ## Data flow
 //!
 //! ```text
 //! ground truth (Moment, Terrain) -> Sensors -> Readings -> Onboard -> pose, cells around
