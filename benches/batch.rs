@@ -3,7 +3,8 @@
 //! `cargo bench --bench batch` lets K robots drive at random through Maze4 and prints, as rows of a
 //! table, microseconds of CPU per robot and physics step, of all that an action needs: median of five
 //! rounds, in which all take turns. `cargo bench --bench batch -- K SHORTCUT MOVES` does only one of
-//! them, once, for a profile.
+//! them, once, for a profile. `cargo bench --bench batch -- K MOVES` lets K robots drive episodes of at
+//! most 50 moves, and prints microseconds per robot and move: the work of the Python environments.
 
 mod clock;
 
@@ -11,7 +12,7 @@ use std::error::Error;
 use std::path::Path;
 
 use clock::cpu_ns;
-use xcscr::arena::{Arena, BatchArena, PhysicsArena, PhysicsParams};
+use xcscr::arena::{Arena, BatchArena, Outcome, PhysicsArena, PhysicsParams};
 use xcscr::streams::StreamName;
 use xcscr::world::Maze;
 use xcscr::xcs::Action;
@@ -39,6 +40,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let [lanes, shortcut, moves] = numbers[..] {
         let us = microseconds(Robots::Lanes(lanes), shortcut == 1, moves)?;
         println!("{us:.3}");
+        return Ok(());
+    }
+    if let [lanes, moves] = numbers[..] {
+        println!("{:.3}", microseconds_of_episodes(lanes, moves)?);
         return Ok(());
     }
     let all = LANES.map(Robots::Lanes);
@@ -88,6 +93,33 @@ fn microseconds(robots: Robots, shortcut: bool, moves: usize) -> Result<f64, Box
         }
     }
     Ok((cpu_ns()? - begin) as f64 / 1000.0 / steps as f64)
+}
+
+/// CPU time per robot and move, where an episode ends at a goal or after 50 moves.
+fn microseconds_of_episodes(count: usize, moves: usize) -> Result<f64, Box<dyn Error>> {
+    const LIMIT: usize = 50;
+    let maze = Maze::load(Path::new(WORLD))?;
+    let start = maze.start().ok_or("the maze has one start")?;
+    let mut stream = Stream::new(1, StreamName::Exploration);
+    let seeds: Vec<u64> = (1..=count as u64).collect();
+    let mut batch = BatchArena::new(&maze, &PhysicsParams::default(), &seeds)?;
+    (0..count).for_each(|lane| batch.reset(lane, start));
+    let mut lengths = vec![0; count];
+    let begin = cpu_ns()?;
+    for _ in 0..moves / count {
+        let actions =
+            (0..count).map(|_| Action::new(stream.below(4)).ok_or("there are four actions"));
+        let actions: Vec<Action> = actions.collect::<Result<_, _>>()?;
+        let outcomes = batch.act(&actions).outcomes.clone();
+        for (lane, outcome) in outcomes.into_iter().enumerate() {
+            lengths[lane] += 1;
+            if outcome == Some(Outcome::ReachedGoal) || lengths[lane] == LIMIT {
+                batch.reset(lane, start);
+                lengths[lane] = 0;
+            }
+        }
+    }
+    Ok((cpu_ns()? - begin) as f64 / 1000.0 / (moves / count * count) as f64)
 }
 
 /// The middle one of some measurements.

@@ -30,14 +30,8 @@ impl Robot {
     }
 
     /// Restarts the random numbers of noise and slips from a seed.
-    fn reseed(&mut self, seed: u64) -> PyResult<()> {
-        self.plan.config.seed = seed;
-        self.arena = self
-            .plan
-            .config
-            .build_arena(&self.plan.maze)
-            .map_err(invalid)?;
-        Ok(())
+    fn reseed(&mut self, seed: u64) {
+        self.arena.reseed(seed);
     }
 
     /// Places the robot at rest in the middle of a free cell.
@@ -96,8 +90,7 @@ impl Robot {
     /// Returns the total impulse of the collisions during the last action, in newton-seconds.
     #[getter]
     fn collision_impulse(&self) -> f64 {
-        let view = self.arena.view();
-        view.contacts.iter().map(|contact| contact.impulse_ns).sum()
+        self.arena.view().impulse_ns()
     }
 
     /// Returns the length of the shortest path from a cell to a goal, in moves; `None` if there is

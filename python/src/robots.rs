@@ -1,13 +1,15 @@
 //! Many independent robots in copies of one maze, simulated on all cores.
 
+use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use rayon::prelude::*;
-use xcs::Action;
+use xcs::{Action, Percept};
 use xcscr_learner::trial::Plan;
 use xcscr_robot::arena::{Arena, ArenaKind, Outcome};
-use xcscr_robot::world::Paths;
+use xcscr_robot::world::{Cell, Paths};
 
 use crate::plan::{Choice, invalid};
 use crate::robot::free_cell;
@@ -19,6 +21,15 @@ const GRID_LANES_PER_THREAD: usize = 512;
 const FACTS: usize = 7;
 /// The outcome code of a robot that did not act.
 const NONE: u8 = u8::MAX;
+
+/// A new episode: the number of the robot, the seed of its noise and slips, and its start cell.
+type Begin = (usize, u64, (u16, u16));
+/// The percept and the facts of a robot.
+type State = (Percept, [f64; FACTS]);
+/// A byte or a float for each robot.
+type Outcomes<'py> = Bound<'py, PyBytes>;
+/// The percepts and the facts of all robots.
+type Observed<'py> = (Bound<'py, PyBytes>, Bound<'py, PyBytes>);
 
 /// Robots in identical, separate mazes. Results do not depend on the number of threads.
 #[pyclass(frozen, module = "xcscr._native")]
@@ -61,6 +72,32 @@ impl Robots {
     }
 }
 
+impl Robots {
+    /// Returns the percept and the facts of a robot.
+    fn state(&self, arena: &mut Box<dyn Arena>) -> State {
+        let maze = &self.plan.maze;
+        let view = arena.view();
+        let (pose, cell) = (view.now().robot_in_map, view.cell);
+        let distance = self.paths.distance(maze, cell).map_or(-1.0, f64::from);
+        let facts = [
+            cell.col.into(),
+            cell.row.into(),
+            pose.translation.x,
+            pose.translation.y,
+            pose.rotation.angle(),
+            view.impulse_ns(),
+            distance,
+        ];
+        (self.plan.config.sensor.perceive(&view), facts)
+    }
+
+    /// Checks robots and start cells of new episodes.
+    fn checked(&self, begins: Vec<Begin>) -> PyResult<BTreeMap<usize, (u64, Cell)>> {
+        let cell = |(lane, seed, start)| Ok((lane, (seed, free_cell(&self.plan.maze, start)?)));
+        begins.into_iter().map(cell).collect()
+    }
+}
+
 #[pymethods]
 impl Robots {
     #[new]
@@ -76,107 +113,81 @@ impl Robots {
         })
     }
 
-    /// Places some robots in free cells. The noise and slips of each robot restart from its seed.
-    fn reset(
-        &self,
-        py: Python<'_>,
-        lanes: Vec<usize>,
-        seeds: Vec<u64>,
-        starts: Vec<(u16, u16)>,
-    ) -> PyResult<()> {
-        let maze = &self.plan.maze;
-        let cells: PyResult<Vec<_>> = starts.iter().map(|&start| free_cell(maze, start)).collect();
-        let wanted: Vec<_> = lanes
-            .into_iter()
-            .zip(seeds.into_iter().zip(cells?))
-            .collect();
-        let put = |&(lane, (seed, cell)): &(usize, (u64, _))| {
-            let mut config = self.plan.config.clone();
-            config.seed = seed;
-            let mut arena = config
-                .build_arena(maze)
-                .map_err(|fault| fault.to_string())?;
-            arena.reset(cell);
-            Ok((lane, arena))
-        };
-        self.with(py, |all| {
-            let new: Result<Vec<_>, String> = wanted.par_iter().map(put).collect();
-            for (lane, arena) in new? {
-                let robot = all.get_mut(lane);
-                *robot.ok_or_else(|| format!("there is no robot {lane}"))? = arena;
-            }
-            Ok(())
-        })
-        .map_err(|fault: String| invalid(fault))
+    /// Starts episodes: robots, seeds of their noise and slips, and free cells to start in.
+    fn reset(&self, py: Python<'_>, begins: Vec<Begin>) -> PyResult<()> {
+        let begins = self.checked(begins)?;
+        let least = self.lanes_per_thread();
+        self.with(py, |lanes| {
+            let all = lanes.par_iter_mut().enumerate().with_min_len(least);
+            all.for_each(|(lane, arena)| begin(&begins, lane, arena));
+        });
+        Ok(())
     }
 
-    /// Tries to move each robot whose action is below the number of actions. The others rest.
-    /// Returns an outcome byte for each robot (0 moved, 1 found a reward, 2 collided, 3 stalled, 4
-    /// reached the goal, 255 rested), and the auxiliary rewards.
-    fn step(&self, py: Python<'_>, actions: &[u8]) -> PyResult<(Vec<u8>, Vec<f64>)> {
+    /// Tries to move each robot whose action is below the number of actions. Of the others, those in `begins` start an
+    /// episode. Returns an outcome byte for each robot (0 moved, 1 found a reward, 2 collided, 3 stalled, 4 reached the
+    /// goal, 255 did not move), the auxiliary rewards, and what `observe` returns.
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        actions: &[u8],
+        begins: Vec<Begin>,
+    ) -> PyResult<(Outcomes<'py>, Outcomes<'py>, Observed<'py>)> {
         let count = self.plan.maze.action_count();
-        let act = |(arena, &action): (&mut Box<dyn Arena>, &u8)| {
+        let begins = self.checked(begins)?;
+        let least = self.lanes_per_thread();
+        let act = |(lane, (arena, &action)): (usize, (&mut Box<dyn Arena>, &u8))| {
+            begin(&begins, lane, arena);
             let action = Action::new(usize::from(action)).filter(|action| action.index() < count);
-            action.map_or((NONE, 0.0), |action| {
+            let (code, found) = action.map_or((NONE, 0.0), |action| {
                 let outcome = arena.act(action);
                 (number(outcome), outcome.found())
-            })
+            });
+            (code, found, self.state(arena))
         };
-        let least = self.lanes_per_thread();
-        self.with(py, |lanes| {
+        let all: Vec<_> = self.with(py, |lanes| {
             if lanes.len() != actions.len() {
-                return Err(format!(
-                    "{} actions for {} robots",
-                    actions.len(),
-                    lanes.len()
-                ));
+                let (given, robots) = (actions.len(), lanes.len());
+                return Err(invalid(format!("{given} actions for {robots} robots")));
             }
-            let all = lanes.par_iter_mut().zip(actions).with_min_len(least);
-            Ok(all.map(act).unzip())
-        })
-        .map_err(invalid)
+            let all = lanes.par_iter_mut().zip(actions).enumerate();
+            Ok(all.with_min_len(least).map(act).collect())
+        })?;
+        let codes: Vec<u8> = all.iter().map(|one| one.0).collect();
+        let found: Vec<u8> = all.iter().flat_map(|one| one.1.to_ne_bytes()).collect();
+        let observed = as_bytes(py, all.iter().map(|one| &one.2));
+        Ok((PyBytes::new(py, &codes), PyBytes::new(py, &found), observed))
     }
 
-    /// Returns the percepts, one byte of 0 or 1 per bit, robot by robot.
-    fn percepts(&self, py: Python<'_>) -> Vec<u8> {
-        let sensor = self.plan.config.sensor;
-        let least = self.lanes_per_thread();
-        let bits = |arena: &mut Box<dyn Arena>| {
-            let percept = sensor.perceive(&arena.view());
-            let bits = (0..percept.width()).map(move |at| u8::from(percept.bit(at)));
-            bits.collect::<Vec<u8>>()
-        };
-        self.with(py, |lanes| {
-            let percepts = lanes.par_iter_mut().with_min_len(least).map(bits);
-            percepts.collect::<Vec<_>>().concat()
-        })
-    }
-
-    /// Returns the facts of each robot as eight-byte floats in native byte order, robot by robot:
-    /// column, row, x and y in metres, heading in radians, impulse in newton-seconds, and moves to
+    /// Returns the percepts, one byte of 0 or 1 per bit, robot by robot. Then the facts of each robot as eight-byte floats
+    /// in native byte order: column, row, x and y in metres, heading in radians, impulse in newton-seconds, and moves to
     /// the goal, or -1 without a path.
-    fn facts(&self, py: Python<'_>) -> Vec<u8> {
-        let maze = &self.plan.maze;
-        let facts = |arena: &mut Box<dyn Arena>| {
-            let view = arena.view();
-            let (pose, cell) = (view.now().robot_in_map, view.cell);
-            let impulse: f64 = view.contacts.iter().map(|contact| contact.impulse_ns).sum();
-            let distance = self.paths.distance(maze, cell).map_or(-1.0, f64::from);
-            let facts: [f64; FACTS] = [
-                cell.col.into(),
-                cell.row.into(),
-                pose.translation.x,
-                pose.translation.y,
-                pose.rotation.angle(),
-                impulse,
-                distance,
-            ];
-            facts.map(f64::to_ne_bytes).concat()
-        };
+    fn observe<'py>(&self, py: Python<'py>) -> Observed<'py> {
         let least = self.lanes_per_thread();
-        self.with(py, |lanes| {
-            let facts = lanes.par_iter_mut().with_min_len(least).map(facts);
-            facts.collect::<Vec<_>>().concat()
-        })
+        let all: Vec<State> = self.with(py, |lanes| {
+            let states = lanes.par_iter_mut().with_min_len(least);
+            states.map(|arena| self.state(arena)).collect()
+        });
+        as_bytes(py, all.iter())
     }
+}
+
+/// Starts the episode of a robot if there is one.
+fn begin(begins: &BTreeMap<usize, (u64, Cell)>, lane: usize, arena: &mut Box<dyn Arena>) {
+    if let Some(&(seed, cell)) = begins.get(&lane) {
+        arena.reseed(seed);
+        arena.reset(cell);
+    }
+}
+
+/// Returns the percepts and the facts of robots as bytes.
+fn as_bytes<'py, 'a>(
+    py: Python<'py>,
+    states: impl Iterator<Item = &'a State> + Clone,
+) -> Observed<'py> {
+    let percepts = states.clone().map(|(percept, _)| percept);
+    let bits = percepts.flat_map(|one| (0..one.width()).map(|at| u8::from(one.bit(at))));
+    let facts = states.flat_map(|(_, facts)| facts.iter().flat_map(|fact| fact.to_ne_bytes()));
+    let [bits, facts] = [bits.collect::<Vec<u8>>(), facts.collect()];
+    (PyBytes::new(py, &bits), PyBytes::new(py, &facts))
 }

@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use xcscr_learner::trial::Plan;
 use xcscr_robot::arena::{Arena, PhysicsArena, WheelDrive};
+use xcscr_robot::world::Maze;
 
 use crate::plan::{Choice, invalid};
 use crate::robot::free_cell;
@@ -10,37 +11,30 @@ use crate::robot::free_cell;
 /// A differential-drive robot with direct control of the wheels, 20 times a second.
 #[pyclass(unsendable, module = "xcscr._native")]
 pub struct Wheels {
-    plan: Plan,
+    maze: Maze,
     drive: WheelDrive,
-}
-
-fn drive(plan: &Plan) -> PyResult<WheelDrive> {
-    let params = plan.config.settings.physics.clone();
-    let arena = PhysicsArena::new(plan.maze.clone(), params, plan.config.seed);
-    Ok(WheelDrive::new(arena.map_err(invalid)?))
 }
 
 #[pymethods]
 impl Wheels {
     #[new]
     fn new(choice: Choice) -> PyResult<Self> {
-        let plan = choice.plan(None, 1)?;
+        let Plan { maze, config } = choice.plan(None, 1)?;
+        let arena = PhysicsArena::new(maze.clone(), config.settings.physics, config.seed);
         Ok(Self {
-            drive: drive(&plan)?,
-            plan,
+            drive: WheelDrive::new(arena.map_err(invalid)?),
+            maze,
         })
     }
 
     /// Restarts the random numbers of the wheel noise from a seed.
-    fn reseed(&mut self, seed: u64) -> PyResult<()> {
-        self.plan.config.seed = seed;
-        self.drive = drive(&self.plan)?;
-        Ok(())
+    fn reseed(&mut self, seed: u64) {
+        self.drive.reseed(seed);
     }
 
     /// Places the robot at rest in the middle of a free cell, with a heading in radians.
     fn reset(&mut self, start: (u16, u16), heading: f64) -> PyResult<()> {
-        let cell = free_cell(&self.plan.maze, start)?;
+        let cell = free_cell(&self.maze, start)?;
         self.drive.reset(cell, heading);
         Ok(())
     }

@@ -16,10 +16,14 @@ from .envs import MazeEnv
 
 #: The noise seed, the start, the actions and the rewards of an episode.
 History = tuple[int, tuple[int, int], list[int], list[float]]
+#: The number of an environment, the noise seed and the start of a new episode.
+Begin = tuple[int, int, tuple[int, int]]
 Recorder = Callable[[int, History, tuple[float, ...]], None]
 
-OUTCOMES = np.array(["moved", "found-reward", "collided", "stalled", "reached-goal"])
 COLLIDED, REACHED_GOAL, RESTS = 2, 4, 255
+#: The names of all bytes that stand for an outcome. An environment that rests has the first name, and its mask is false.
+OUTCOMES = np.full(256, "moved", object)
+OUTCOMES[:5] = ["moved", "found-reward", "collided", "stalled", "reached-goal"]
 
 
 class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
@@ -67,7 +71,11 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self.metadata = MazeEnv.metadata | {"autoreset_mode": self._mode}
         self._place(self._given)
         one = Robot(self._given)
-        self._rewards = (goal_reward, step_reward, collision_reward)
+        #: The reward of each outcome byte.
+        self._rewards = np.full(256, step_reward, np.float64)
+        self._rewards[REACHED_GOAL] = goal_reward
+        self._rewards[COLLIDED] += collision_reward
+        self._rewards[RESTS] = 0.0
         self._max_steps = max_steps or one.step_threshold
         self.single_action_space = gymnasium.spaces.Discrete(one.actions)
         self.single_observation_space = gymnasium.spaces.MultiBinary(one.percept_bits)
@@ -108,23 +116,28 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             if seeds is not None and seeds[lane] is not None:
                 self._draws[lane] = gymnasium.utils.seeding.np_random(seeds[lane])[0]
         self._begin(np.flatnonzero(mask), options.get("start"))
-        return self._observations(), self._infos(mask)
+        percepts, facts = self._robots.observe()
+        return self._observations(percepts), self._infos(facts, mask)
 
     def _begin(self, lanes: np.ndarray, start: tuple[int, int] | None = None) -> None:
         """Starts an episode in some of the environments, as `MazeEnv.reset` does."""
-        noises, starts = [], []
-        for lane in lanes:
-            draws = self._draws[lane]
-            noises.append(int(draws.integers(2**63)))
-            cell = self._starts[int(draws.integers(len(self._starts)))] if start is None else start
-            starts.append((int(cell[0]), int(cell[1])))
-            if self._recorder is not None:
-                self._finish(int(lane))
-                self._histories[lane] = (noises[-1], starts[-1], [], [])
-        self._robots.reset(lanes.tolist(), noises, starts)
+        self._robots.reset(self._drawn(lanes, start))
         self._steps[lanes] = 0
         self._done[lanes] = False
         self._begun[lanes] = True
+
+    def _drawn(self, lanes: np.ndarray, start: tuple[int, int] | None = None) -> list[Begin]:
+        """Draws new episodes for some of the environments."""
+        begins = []
+        for lane in lanes.tolist():
+            draws = self._draws[lane]
+            noise = int(draws.integers(2**63))
+            cell = self._starts[int(draws.integers(len(self._starts)))] if start is None else start
+            begins.append((lane, noise, (int(cell[0]), int(cell[1]))))
+            if self._recorder is not None:
+                self._finish(lane)
+                self._histories[lane] = (*begins[-1][1:], [], [])
+        return begins
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         if not self._begun.all():
@@ -132,27 +145,24 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         actions = np.asarray(actions)
         if actions.shape != (self.num_envs,) or (actions < 0).any() or (actions >= self._actions).any():
             raise ValueError(f"actions must be {self.num_envs} numbers from 0 to {self._actions - 1}")
-        over = self._done.copy()
+        over = self._done
         if self._mode == AutoresetMode.DISABLED and over.any():
             raise gymnasium.error.ResetNeeded(f"the episodes of environments {np.flatnonzero(over).tolist()} are over: reset them")
-        # Finished environments rest in this step and are then reset.
-        codes, found = self._robots.step(np.where(over, RESTS, actions).astype(np.uint8).tobytes())
+        # Finished environments do not act in this step: they are reset.
+        begins = self._drawn(np.flatnonzero(over))
+        codes, found, (percepts, facts) = self._robots.step(np.where(over, RESTS, actions).astype(np.uint8).tobytes(), begins)
         outcome = np.frombuffer(codes, np.uint8)
         acted = ~over
-        self._steps[acted] += 1
-        goal, each, collision = self._rewards
-        rewards = np.array(found) + np.where(outcome == REACHED_GOAL, goal, each) + np.where(outcome == COLLIDED, collision, 0.0)
-        rewards[over] = 0.0
+        self._steps = np.where(over, 0, self._steps + 1)
+        rewards = np.frombuffer(found) + self._rewards[outcome]
         if self._recorder is not None:
             self._note(actions, rewards, acted)
         terminations = outcome == REACHED_GOAL
         truncations = acted & ~terminations & (self._steps >= self._max_steps)
-        if over.any():
-            self._begin(np.flatnonzero(over))
         self._done = terminations | truncations
-        infos = self._infos(np.ones(self.num_envs, np.bool_))
-        self._add(infos, "outcome", OUTCOMES[np.where(acted, outcome, 0)].astype(object), acted)
-        observations = self._observations()
+        infos = self._infos(facts, np.ones(self.num_envs, np.bool_))
+        self._add(infos, "outcome", OUTCOMES[outcome], acted)
+        observations = self._observations(percepts)
         if self._mode == AutoresetMode.SAME_STEP and self._done.any():
             infos, observations = self._after_end(infos, observations)
         return observations, rewards, terminations, truncations, infos
@@ -169,7 +179,8 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """Passes the episode of an environment to the recorder, with the pose at its end."""
         history, self._histories[lane] = self._histories[lane], None
         if history is not None and history[2] and self._recorder is not None:
-            pose = np.frombuffer(self._robots.facts(), np.float64).reshape(self.num_envs, -1)[lane, 2:5]
+            _, facts = self._robots.observe()
+            pose = np.frombuffer(facts).reshape(self.num_envs, -1)[lane, 2:5]
             self._recorder(lane, history, tuple(pose.tolist()))
 
     def _after_end(self, infos: dict[str, Any], observations: np.ndarray) -> tuple[dict[str, Any], np.ndarray]:
@@ -179,24 +190,25 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         for lane in np.flatnonzero(ended):
             last[lane] = observations[lane].copy()
         self._begin(np.flatnonzero(ended))
-        fresh = self._infos(np.ones(self.num_envs, np.bool_))
+        percepts, facts = self._robots.observe()
+        fresh = self._infos(facts, np.ones(self.num_envs, np.bool_))
         self._add(fresh, "outcome", infos["outcome"], infos["_outcome"] & ~ended)
         self._add(fresh, "final_obs", last, ended)
         final_info = {name: values for name, values in infos.items() if not name.startswith("_")}
         for name in list(final_info):
             final_info["_" + name] = infos["_" + name] & ended
         self._add(fresh, "final_info", final_info, ended)
-        return fresh, self._observations()
+        return fresh, self._observations(percepts)
 
     @staticmethod
     def _add(infos: dict[str, Any], name: str, values: Any, mask: np.ndarray) -> None:
         infos[name], infos["_" + name] = values, mask.copy()
 
-    def _observations(self) -> np.ndarray:
-        return np.frombuffer(self._robots.percepts(), np.int8).reshape(self.num_envs, self._bits).copy()
+    def _observations(self, percepts: bytes) -> np.ndarray:
+        return np.frombuffer(percepts, np.int8).reshape(self.num_envs, self._bits).copy()
 
-    def _infos(self, mask: np.ndarray) -> dict[str, Any]:
-        facts = np.frombuffer(self._robots.facts(), np.float64).reshape(self.num_envs, -1)
+    def _infos(self, states: bytes, mask: np.ndarray) -> dict[str, Any]:
+        facts = np.frombuffer(states).reshape(self.num_envs, -1)
         infos: dict[str, Any] = {}
         self._add(infos, "cell", facts[:, :2].astype(np.int64), mask)
         self._add(infos, "pose", facts[:, 2:5].copy(), mask)

@@ -61,6 +61,10 @@ impl Arena for Relabelled {
     fn continue_from(&mut self, lasting: &Lasting) {
         self.grid.continue_from(lasting);
     }
+
+    fn reseed(&mut self, seed: u64) {
+        self.grid.reseed(seed);
+    }
 }
 
 /// What a robot is told of its actions, and what is true of them.

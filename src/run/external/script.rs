@@ -131,4 +131,10 @@ impl Arena for ScriptedWheels {
     fn continue_from(&mut self, lasting: &Lasting) {
         self.drive.continue_from(lasting);
     }
+
+    fn reseed(&mut self, seed: u64) {
+        self.drive.reseed(seed);
+        self.step = 0;
+        self.last_mps = [0.0; 2];
+    }
 }

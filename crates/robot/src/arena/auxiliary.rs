@@ -62,6 +62,11 @@ impl Arena for RewardingArena {
         self.collected.clear();
         self.arena.continue_from(lasting);
     }
+
+    fn reseed(&mut self, seed: u64) {
+        self.collected.clear();
+        self.arena.reseed(seed);
+    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, Isometry2, UnitComplex};
 
-use super::{Arena, Contact, Lasting, Outcome, Sample, View};
+use super::{Arena, Contact, Lasting, Outcome, Sample, View, first_cell};
 use crate::world::{Cell, Direction, Maze};
 use xcs::Action;
 
@@ -21,7 +21,7 @@ pub struct GridArena {
 impl GridArena {
     /// Creates a grid arena with the robot in the first start cell.
     pub fn new(maze: Maze) -> Self {
-        let cell = maze.starts().next().unwrap_or(maze.goals()[0]);
+        let cell = first_cell(&maze);
         let rest = Sample {
             time_ns: 0,
             robot_in_map: pose(&maze, cell, Direction::East),
@@ -94,6 +94,11 @@ impl Arena for GridArena {
 
     fn continue_from(&mut self, lasting: &Lasting) {
         self.trace[1].time_ns = lasting.time_ns;
+    }
+
+    fn reseed(&mut self, _: u64) {
+        self.trace[1].time_ns = 0;
+        self.reset(first_cell(&self.maze));
     }
 }
 

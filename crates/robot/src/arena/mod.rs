@@ -119,6 +119,13 @@ impl View<'_> {
     pub fn now(&self) -> Sample {
         *self.trace.last().expect("a trace is never empty")
     }
+
+    /// Returns the total impulse of the collisions in newton-seconds; 0 for none.
+    pub fn impulse_ns(&self) -> f64 {
+        let impulses = self.contacts.iter().map(|contact| contact.impulse_ns);
+        // The sum of no numbers is minus zero.
+        impulses.fold(0.0, |total, one| total + one)
+    }
 }
 
 /// State that carries over between episodes; a reset restores everything else.
@@ -134,6 +141,11 @@ pub struct Lasting {
     pub slip: Option<Stream>,
     /// The random stream of the observation noise; `None` without observation noise.
     pub flips: Option<Stream>,
+}
+
+/// Returns the cell where the robot of a new arena is.
+fn first_cell(maze: &Maze) -> Cell {
+    maze.starts().next().unwrap_or(maze.goals()[0])
 }
 
 /// A maze with a robot in it. The clock keeps running across all episodes of a trial.
@@ -152,4 +164,7 @@ pub trait Arena: Send {
 
     /// Continues from another arena of the same maze and settings; a reset must follow.
     fn continue_from(&mut self, lasting: &Lasting);
+
+    /// Restarts the clock and all random numbers. The arena is then equal to a new one with this seed.
+    fn reseed(&mut self, seed: u64);
 }

@@ -78,12 +78,18 @@ impl Arena for NoisyPerceptArena {
         }
         self.arena.continue_from(lasting);
     }
+
+    fn reseed(&mut self, seed: u64) {
+        self.stream = Stream::new(seed, StreamName::Flips);
+        self.arena.reseed(seed);
+        self.draw();
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arena::{GridArena, PhysicsArena, PhysicsParams};
+    use crate::arena::{GridArena, Localisation, PhysicsArena, PhysicsParams, SlippingArena};
     use crate::world::Maze;
 
     const ROWS: [&str; 5] = ["#####", "#...#", "#.S.#", "#..G#", "#####"];
@@ -115,6 +121,38 @@ mod tests {
             let count = flipped.iter().filter(|mask| mask.bit(bit)).count();
             // The standard deviation is 14.
             assert!(count.abs_diff(200) < 60, "bit {bit}: {count}");
+        }
+    }
+
+    /// Returns all that a robot shows in a drive.
+    fn shown(arena: &mut dyn Arena) -> String {
+        let start = arena.view().cell;
+        arena.reset(start);
+        let act = |number: usize| {
+            let outcome = arena.act(Action::new(number % 4).unwrap());
+            format!("{outcome:?} {:?}", arena.view())
+        };
+        (0..12).map(act).collect()
+    }
+
+    #[test]
+    fn a_reseeded_arena_equals_a_new_one() {
+        let build = |localisation, seed| {
+            let params = PhysicsParams {
+                localisation,
+                ..PhysicsParams::default()
+            };
+            let physics = PhysicsArena::new(maze(), params, seed).unwrap();
+            let slipping = SlippingArena::new(Box::new(physics), 0.3, seed);
+            NoisyPerceptArena::new(Box::new(slipping), 0.1, 16, seed)
+        };
+        for localisation in [Localisation::GroundTruth, Localisation::Estimated] {
+            let mut used = build(localisation, 1);
+            let first = shown(&mut used);
+            used.reseed(2);
+            let again = shown(&mut used);
+            assert_eq!(again, shown(&mut build(localisation, 2)));
+            assert_ne!(again, first, "control");
         }
     }
 

@@ -87,6 +87,12 @@ impl Arena for SlippingArena {
         }
         self.arena.continue_from(lasting);
     }
+
+    fn reseed(&mut self, seed: u64) {
+        self.executed = None;
+        self.stream = Stream::new(seed, StreamName::Slip);
+        self.arena.reseed(seed);
+    }
 }
 
 #[cfg(test)]

@@ -63,7 +63,7 @@ use self::sensing::Sensing;
 pub use self::sensing::SensingMemory;
 use self::simulation::{Simulation, State, eastward};
 use self::walls::Block;
-use super::{Arena, Contact, Lasting, Outcome, Sample, View};
+use super::{Arena, Contact, Lasting, Outcome, Sample, View, first_cell};
 use crate::streams::StreamName;
 use crate::world::{Cell, Direction, Maze, Moves};
 use xcs::Action;
@@ -120,8 +120,7 @@ impl PhysicsArena {
 
     /// Creates an arena from checked settings and prebuilt walls, which may be shared.
     fn among(walls: SharedShape, maze: Maze, params: PhysicsParams, seed: u64) -> Self {
-        let start = maze.starts().next();
-        let cell = start.unwrap_or(maze.goals()[0]);
+        let cell = first_cell(&maze);
         let pose = eastward(maze.centre_in_grid(cell));
         let simulation = Simulation::new(walls, pose, &params);
         let mut arena = Self {
@@ -343,6 +342,13 @@ impl Arena for PhysicsArena {
             sensing.recall(memory);
         }
         self.begin_trace();
+    }
+
+    fn reseed(&mut self, seed: u64) {
+        self.noise.stream = Stream::new(seed, StreamName::Physics);
+        self.sensing = Sensing::new(&self.params, self.maze.cell_size_m(), seed);
+        self.steps = 0;
+        self.reset(first_cell(&self.maze));
     }
 }
 

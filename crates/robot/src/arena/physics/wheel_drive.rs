@@ -101,13 +101,17 @@ impl WheelDrive {
 
     /// Returns the total impulse of the wall collisions in the last step, in newton-seconds.
     pub fn impulse_ns(&self) -> f64 {
-        let contacts = self.arena.hits.contacts().iter();
-        contacts.map(|contact| contact.impulse_ns).sum()
+        self.arena.view().impulse_ns()
     }
 
     /// Continues the clock and the noise of another arena; a reset must follow.
     pub fn continue_from(&mut self, lasting: &Lasting) {
         self.arena.continue_from(lasting);
+    }
+
+    /// Restarts the clock and the noise, as in a new arena with this seed; a reset must follow.
+    pub fn reseed(&mut self, seed: u64) {
+        self.arena.reseed(seed);
     }
 
     /// Returns true if the middle of the robot is in a goal cell.
