@@ -64,7 +64,10 @@ impl Choice {
         let robot = robot.map_err(invalid)?;
         let defaults = Settings::default();
         let resolved = Resolved::with_robot(&defaults, robot.as_ref(), &[], &self.settings);
-        let settings = resolved.map_err(invalid)?.settings;
+        // The message names the option of the command line.
+        let as_argument = |text: String| text.replacen("--set", "settings", 1);
+        let resolved = resolved.map_err(|fault| invalid(as_argument(fault.to_string())));
+        let settings = resolved?.settings;
         let mut plan = Plan::new(maze)
             .arena(arena)
             .sensor(sensor)

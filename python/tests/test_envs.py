@@ -108,10 +108,19 @@ def test_pictures_show_the_robot():
         ({"arena": "moon"}, "unknown arena"),
         ({"sensor": "sonar"}, "unknown sensor"),
         ({"arena": "grid", "slip": 2.0}, "arena.slip"),
-        ({"settings": {"beta": 0.1}}, "xcs.beta"),
+        ({"settings": {"beta": 0.1}}, "^settings: .*xcs.beta"),
         ({"robot": "nothere"}, "nothere"),
     ],
 )
 def test_bad_arguments_raise_the_messages_of_the_program(arguments, words):
     with pytest.raises(ValueError, match=words):
         xcscr.MazeEnv(**arguments)
+
+
+@pytest.mark.parametrize("name", ["xcscr/Maze4-v0", "xcscr/Wheels-v0"])
+def test_no_collision_has_an_impulse_of_plus_zero(name):
+    env = gymnasium.make(name)
+    env.reset(seed=1)
+    action = EAST if name == "xcscr/Maze4-v0" else np.zeros(2, np.float32)
+    impulses = [env.step(action)[4]["collision_impulse"] for _ in range(3)]
+    assert 0.0 in impulses and "-0.0" not in map(str, impulses)

@@ -110,7 +110,12 @@ def study(
     lines += ["[settings]"] + [f"{json.dumps(key)} = {json.dumps(value)}" for key, value in (settings or {}).items()]
     temporary = tempfile.TemporaryDirectory(prefix="xcscr-study-") if out is None else None
     folder = Path(temporary.name if temporary else out or "")
-    native = _native.run_study("\n".join(lines), agents, str(folder), jobs)
+    try:
+        native = _native.run_study("\n".join(lines), agents, str(folder), jobs)
+    except BaseException:
+        if temporary:
+            temporary.cleanup()
+        raise
     return Study(native, folder, jobs, temporary)
 
 

@@ -92,8 +92,7 @@ impl SimulatedRobot {
 
     /// Returns the total impulse of the collisions during the last step, in newton-seconds.
     pub fn impulse_ns(&self) -> f64 {
-        let contacts = self.drive.view().contacts.iter();
-        contacts.map(|contact| contact.impulse_ns).sum()
+        self.drive.view().impulse_ns()
     }
 
     /// Simulates 50 ms.
