@@ -1,7 +1,7 @@
 """Counts the steps that learners need in discrete environments of Gymnasium.
 
 pip install "./python[sklearn]" minigrid "gymnasium[toy-text]"
-python assets/results/python-learners/learning.py                 # writes learning.json
+python assets/results/python-learners/learning.py                 # writes learning.json; started again, it goes on
 python assets/results/python-learners/learning.py --table         # prints its tables
 
 A greedy policy is tested every so many steps, in episodes of its own. A run ends when two tests in a row reach the best
@@ -18,15 +18,16 @@ import numpy
 
 FILE = Path(__file__).with_name("learning.json")
 TEST_SEED = 1_000_000
-# By environment: steps, steps between two tests, episodes of a test, runs.
+# By environment: steps, steps between two tests, episodes of a test.
 BUDGETS = {
-    "FrozenLake-v1 8x8": (100_000, 2_000, 200, 30),
-    "Taxi-v4": (100_000, 2_000, 50, 30),
-    "CliffWalking-v1": (30_000, 250, 1, 30),
-    "MiniGrid-Empty-6x6": (20_000, 500, 1, 10),
-    "MiniGrid-DoorKey-5x5": (40_000, 4_000, 20, 5),
-    "MiniGrid-FourRooms": (40_000, 8_000, 20, 5),
+    "FrozenLake-v1 8x8": (100_000, 2_000, 200),
+    "Taxi-v4": (100_000, 2_000, 50),
+    "CliffWalking-v1": (30_000, 250, 1),
+    "MiniGrid-Empty-6x6": (20_000, 500, 1),
+    "MiniGrid-DoorKey-5x5": (40_000, 4_000, 20),
+    "MiniGrid-FourRooms": (40_000, 8_000, 20),
 }
+RUNS = 30
 GAMMA = 0.99
 
 
@@ -134,7 +135,7 @@ def run(method, problem, seed):
     """Returns a row of the results."""
     from problems import MAKE, best_return
 
-    steps, between, episodes, _ = BUDGETS[problem]
+    steps, between, episodes = BUDGETS[problem]
     env, tests = MAKE[problem](), MAKE[problem]()
     best = best_return(tests, range(TEST_SEED, TEST_SEED + episodes))
     enough = best - 0.1 * abs(best)
@@ -180,6 +181,17 @@ def cart(agent, percepts):
     return {"nodes": int(tree.node_count), "leaves": int(tree.n_leaves)}
 
 
+def read(file):
+    return json.loads(file.read_text()) if file.exists() else []
+
+
+def write(file, rows):
+    """Replaces a file of rows, so that it is whole at any time."""
+    part = file.with_suffix(".part")
+    part.write_text("[\n" + ",\n".join(map(json.dumps, rows)) + "\n]\n")
+    part.replace(file)
+
+
 def table(rows):
     print("| environment | learner | runs | reached | steps, median | quartiles | return / best | CPU s | rules |")
     print("|---|---|---|---|---|---|---|---|---|")
@@ -210,22 +222,21 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--table", action="store_true", help="print the tables of the results so far")
     parser.add_argument("--only", nargs="*", default=list(BUDGETS), help="these environments")
-    parser.add_argument("--methods", nargs="*", default=["plus", "xcs", "q-learning"])
-    parser.add_argument("--runs", type=int, help="at most this many runs of each")
+    parser.add_argument("--methods", nargs="*", default=["plus", "plus, tries=40", "xcs", "q-learning"])
+    parser.add_argument("--runs", type=int, default=RUNS, help="the runs of each")
     parser.add_argument("--file", type=Path, default=FILE, help="results, to which rows are added")
     given = parser.parse_args()
-    rows = json.loads(given.file.read_text()) if given.file.exists() else []
+    rows = read(given.file)
     if given.table:
         return table(rows)
     done = {(row["method"], row["problem"], row["seed"]) for row in rows}
-    for problem in given.only:
-        runs = min(given.runs or BUDGETS[problem][3], BUDGETS[problem][3])
-        for seed in range(1, runs + 1):
+    for seed in range(1, given.runs + 1):
+        for problem in given.only:
             for method in given.methods:
                 if (method, problem, seed) not in done:
                     rows.append(run(method, problem, seed))
                     print(rows[-1], flush=True)
-                    given.file.write_text("[\n" + ",\n".join(map(json.dumps, rows)) + "\n]\n")
+                    write(given.file, rows)
 
 
 if __name__ == "__main__":

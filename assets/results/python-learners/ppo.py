@@ -1,25 +1,26 @@
 """Adds PPO of rejax to learning.json, for the environments that are tables of transitions.
 
 pip install rejax==0.1.3 "gymnasium[toy-text]" minigrid
-python assets/results/python-learners/ppo.py
+python assets/results/python-learners/ppo.py        # started again, it goes on with the next environment
 
 rejax needs environments in JAX. The tables of Gymnasium's toy environments are copied into arrays. All seeds train at
 once. The percepts are those of the other learners, as bits.
 """
 
-import json
+import argparse
 import time
+from pathlib import Path
 
 import jax
 import numpy
 from flax import struct
 from gymnax.environments import spaces
 from jax import numpy as jnp
-from learning import BUDGETS, FILE, GAMMA
+from learning import BUDGETS, FILE, GAMMA, RUNS, read, write
 from problems import MAKE, STEP_LIMIT, best_return
 from rejax import PPO
 
-LANES, STEPS, RUNS = 8, 64, 30
+LANES, STEPS = 8, 64
 
 
 @struct.dataclass
@@ -74,9 +75,9 @@ class Table:
         return spaces.Box(0.0, 1.0, (self.bits.shape[1],))
 
 
-def rows_of(problem):
+def rows_of(problem, runs):
     """Trains all seeds, and returns their rows."""
-    steps, between, _, _ = BUDGETS[problem]
+    steps, between, _ = BUDGETS[problem]
     env = MAKE[problem]()
     # Evaluations follow whole batches.
     between = max(between // (LANES * STEPS), 1) * LANES * STEPS
@@ -95,7 +96,7 @@ def rows_of(problem):
         normalize_rewards=True,
         skip_initial_evaluation=True,
     )
-    keys = jnp.stack([jax.random.PRNGKey(seed) for seed in range(1, RUNS + 1)])
+    keys = jnp.stack([jax.random.PRNGKey(seed) for seed in range(1, runs + 1)])
     begin = time.process_time()
     _, (_, returns) = jax.block_until_ready(jax.jit(jax.vmap(agent.train))(keys))
     spent = time.process_time() - begin
@@ -106,19 +107,25 @@ def rows_of(problem):
         at = numpy.flatnonzero(enough[:-1] & enough[1:])
         reached = int(at[0] + 1) * between if at.size else None
         row = {"method": "ppo", "problem": problem, "seed": seed, "best": best, "steps": reached}
-        row |= {"last": float(curve[-1]), "greatest": float(curve.max()), "cpu_s": round(spent / RUNS, 2)}
+        row |= {"last": float(curve[-1]), "greatest": float(curve.max()), "cpu_s": round(spent / runs, 2)}
         rows.append(row)
     return rows
 
 
 def main():
-    rows = json.loads(FILE.read_text()) if FILE.exists() else []
-    rows = [row for row in rows if row["method"] != "ppo"]
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=RUNS, help="the runs of each")
+    parser.add_argument("--file", type=Path, default=FILE, help="results, to which rows are added")
+    given = parser.parse_args()
     for problem in list(BUDGETS)[:3]:
-        rows += rows_of(problem)
-        print(problem, [row["steps"] for row in rows if row["problem"] == problem and row["method"] == "ppo"], flush=True)
-        rows_text = ",\n".join(map(json.dumps, rows))
-        FILE.write_text(f"[\n{rows_text}\n]\n")
+        rows = read(given.file)
+        is_own = [(row["method"], row["problem"]) == ("ppo", problem) for row in rows]
+        if sum(is_own) >= given.runs:
+            continue
+        others = [row for row, own in zip(rows, is_own, strict=True) if not own]
+        found = rows_of(problem, given.runs)
+        print(problem, [row["steps"] for row in found], flush=True)
+        write(given.file, others + found)
 
 
 if __name__ == "__main__":
