@@ -46,3 +46,44 @@ impl Curve {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::episode::Ending;
+
+    fn episode(episode: u32) -> Episode {
+        Episode {
+            episode,
+            ending: Ending::Goal,
+            steps: 10,
+            collisions: 0,
+            explored: 0,
+            chosen: Default::default(),
+            reward: 0.0,
+            step_threshold: 50,
+            learning_rate: 0.2,
+            imprinted: false,
+            rules: 1,
+        }
+    }
+
+    #[test]
+    fn a_curve_that_is_saved_and_restored_goes_on_as_if_it_had_not_been() {
+        let mut whole = Curve::default();
+        // Halved after 512, 1,024 and 2,048 episodes.
+        let mut resumed = Curve::default();
+        for number in 1..=3000 {
+            whole.push(&episode(number));
+            let saved = serde_json::to_string(&resumed).unwrap();
+            resumed = serde_json::from_str::<Curve>(&saved).unwrap().restored();
+            resumed.push(&episode(number));
+            assert_eq!(resumed.episode, whole.episode, "episode {number}");
+        }
+        assert_eq!(
+            whole.episode[..3],
+            [1, 9, 17],
+            "control: halved three times"
+        );
+    }
+}

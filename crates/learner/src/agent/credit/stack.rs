@@ -85,12 +85,44 @@ impl Shares {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use xcs::MatchSet;
+    use xcs::random::Stream;
+    use xcscr_robot::streams::StreamName;
 
     fn sharing(sharing: Sharing) -> Params {
         Params {
             sharing,
             ..Params::default()
         }
+    }
+
+    /// Returns the number of micro-classifiers after five steps in one percept, and after their credit.
+    fn micro_classifiers(evolution: StackEvolution) -> [u32; 2] {
+        let params = xcs::Params {
+            theta_ga: 1,
+            ..xcs::Params::default()
+        };
+        let mut xcs = Xcs::new(params, 2, Stream::new(1, StreamName::Evolution));
+        let (mut stack, mut set) = (RewardStack::default(), MatchSet::default());
+        for _ in 0..5 {
+            xcs.form_match_set(&"0101".parse().unwrap(), &mut set);
+            let set = set.action_set(Action::new(0).unwrap()).unwrap();
+            stack.push(&mut xcs, set, evolution);
+        }
+        let formed = xcs.population().micro();
+        let shares = Shares::new(1000.0, 5, 5, &Params::default());
+        // The GA would be due again.
+        (0..9).for_each(|_| xcs.form_match_set(&"0101".parse().unwrap(), &mut set));
+        stack.unwind(&mut xcs, &shares, 0.2, evolution);
+        [formed, xcs.population().micro()]
+    }
+
+    #[test]
+    fn the_ga_runs_when_a_set_is_formed_or_after_its_credit_but_not_in_both() {
+        let [formed, credited] = micro_classifiers(StackEvolution::EachStep);
+        assert!(formed > 2 && credited == formed, "{formed}, {credited}");
+        let [formed, credited] = micro_classifiers(StackEvolution::AfterCredit);
+        assert!(formed == 2 && credited > formed, "{formed}, {credited}");
     }
 
     #[test]

@@ -168,10 +168,11 @@ mod tests {
 
     #[test]
     fn ranges_begin_straight_ahead_and_go_counter_clockwise() {
-        let drive = corridor();
+        let mut drive = corridor();
+        drive.reset(Cell { col: 1, row: 1 }, std::f64::consts::FRAC_PI_2);
         let ranges = drive.ranges_m(4, 2.0);
-        // East to the limit, then north, west and south: half a cell each.
-        let expected = [2.0, 0.5, 0.5, 0.5];
+        // The robot faces north. The walls to the north, west and south are half a cell away; the goal is to the east.
+        let expected = [0.5, 0.5, 0.5, 2.0];
         for (range, expected) in ranges.iter().zip(expected) {
             assert!((range - expected).abs() < 1e-6, "{ranges:?}");
         }
