@@ -135,7 +135,7 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
         .mut_subcommands(with_negative_numbers)
 }
 
-/// Adds where a subcommand exists that was called in another place, such as `check`.
+/// Adds a hint to the error of an unknown subcommand, such as `check`, if one of this name exists elsewhere.
 fn with_places(mut error: clap::Error) -> clap::Error {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
         return error;
