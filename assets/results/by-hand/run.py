@@ -1,4 +1,4 @@
-import json, subprocess, sys
+import json, subprocess
 from pathlib import Path
 import hydra
 from hydra.core.hydra_config import HydraConfig
