@@ -152,6 +152,15 @@ fn a_placed_world_goes_to_a_map_and_back_without_a_change() {
     let changed = map.world();
     assert_eq!(rows(&changed)[1], "#S#.*G.#");
     assert_eq!(changed.floor_rows().unwrap()[1], "#2#9..1#");
+    // A wall that was painted white is free.
+    let map = Map::of(&changed);
+    painted[pixel] = 254;
+    map.keep("map.pgm", &painted);
+    assert_eq!(rows(&map.world())[1], "#S..*G.#");
+    let resized = [&b"P5\n8 2\n255\n"[..], &[0; 16]].concat();
+    map.keep("map.pgm", &resized);
+    let error = plain().of(&map.load().unwrap()).unwrap_err().to_string();
+    assert!(error.contains("8 x 2 pixels"), "{error}");
 }
 
 #[test]

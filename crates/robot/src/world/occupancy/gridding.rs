@@ -68,9 +68,9 @@ impl Gridding {
             )));
         }
         let as_written = self.start_m.is_none() && self.goal_m.is_none();
-        match &map.saved {
-            Some((saved, greys)) if as_written && self.cell_px(map) == 1.0 => Ok(Gridded {
-                maze: saved.restored(map, greys)?,
+        match &map.world {
+            Some(world) if as_written && self.cell_px(map) == 1.0 => Ok(Gridded {
+                maze: map.restored(world)?,
                 corner_px: [0.0, 0.0],
                 offset_m: [0.0, 0.0],
                 cut_off: 0,

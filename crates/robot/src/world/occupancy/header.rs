@@ -6,12 +6,11 @@ use serde::Deserialize;
 
 use super::MapError;
 use super::rules::{Mode, Rules};
-use super::writing::SavedWorld;
 use crate::input;
 use crate::world::Origin;
 
-/// The largest YAML file, in bytes.
-const MAX_BYTES: u64 = 1 << 20;
+/// The largest YAML file, in bytes. It may contain a world file, which has at most as many.
+const MAX_BYTES: u64 = 64 << 20;
 
 /// A number or a boolean: `negate` may be either.
 #[derive(Debug, Clone, Copy, Deserialize)]
@@ -33,7 +32,7 @@ struct Keys {
     #[serde(default)]
     mode: Mode,
     #[serde(default)]
-    xcscr: Option<SavedWorld>,
+    xcscr: Option<String>,
 }
 
 /// A checked header.
@@ -45,7 +44,8 @@ pub(super) struct Header {
     pub resolution_m: f64,
     /// The pose of the lower left corner.
     pub origin: Origin,
-    pub saved: Option<SavedWorld>,
+    /// The world file of a maze that was written as a map.
+    pub world: Option<String>,
     pub rules: Rules,
 }
 
@@ -101,7 +101,7 @@ impl Header {
                 occupied_thresh,
                 free_thresh,
             },
-            saved: keys.xcscr,
+            world: keys.xcscr,
         })
     }
 }

@@ -26,7 +26,6 @@ pub use writing::WrittenMap;
 
 use header::Header;
 use rules::Rules;
-use writing::SavedWorld;
 
 use super::Origin;
 
@@ -55,9 +54,8 @@ pub struct OccupancyMap {
     /// Row by row from the top.
     values: Vec<i8>,
     rules: Rules,
-    /// For a maze that was written as a map: its data beyond the cells, and the grey levels of the
-    /// pixels.
-    saved: Option<(SavedWorld, Vec<u8>)>,
+    /// For a maze that was written as a map: its world file.
+    world: Option<String>,
     /// The number of pixels that count as free, but have the grey level with which Nav2 saves
     /// unknown ones (205). This happens when `free_thresh` is above 0.196.
     pub unknown_as_free: usize,
@@ -75,15 +73,12 @@ impl OccupancyMap {
     pub fn load(yaml: &Path) -> Result<Self, MapError> {
         let header = Header::load(yaml)?;
         let rules = header.rules;
-        let (mut values, mut greys) = (Vec::new(), Vec::new());
+        let mut values = Vec::new();
         let (mut unknown_as_free, mut disputed) = (0, 0);
         let [width, height] = image::read(&header.image, &mut |pixel| {
             values.push(rules.value(pixel));
             unknown_as_free += usize::from(rules.is_unknown_as_free(pixel));
             disputed += usize::from(rules.is_disputed(pixel));
-            if header.saved.is_some() {
-                greys.push(pixel.grey());
-            }
         })?;
         Ok(Self {
             resolution_m: header.resolution_m,
@@ -92,7 +87,7 @@ impl OccupancyMap {
             height,
             values,
             rules,
-            saved: header.saved.map(|saved| (saved, greys)),
+            world: header.world,
             unknown_as_free,
             disputed,
         })
