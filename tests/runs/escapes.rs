@@ -83,7 +83,7 @@ fn journals_and_plans() {
         "1 study report @s --force => \\u001b[31m
          1 study run @s.toml --quiet --out @s",
     );
-    let plan = desk.text("s/plan.json");
-    desk.write("s/plan.json", plan.replacen("\"plan\"", &quoted(EVIL), 1));
+    let plan = desk.text("s/study.json");
+    desk.write("s/study.json", plan.replacen("\"plan\"", &quoted(EVIL), 1));
     script::run_at(&desk, "65 study status @s => evil");
 }

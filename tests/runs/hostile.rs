@@ -151,7 +151,7 @@ fn mutants_of_plans_and_journals() {
     });
     replace(&path, valid);
     // The checksum of a plan refuses nearly all of its mutants.
-    let (path, valid) = (desk.path("plan.json"), desk.read("plan.json"));
+    let (path, valid) = (desk.path("study.json"), desk.read("study.json"));
     feed(from_ref(&valid), ON_DISK, |bytes| {
         replace(&path, bytes);
         is_read(desk.folder(), numbers.next());
@@ -179,8 +179,8 @@ fn mutants_of_journals_with_right_checksums() {
 #[test]
 fn mutants_of_plans_with_right_checksums() {
     let (desk, mut numbers) = (finished_study(), 0..);
-    let (path, journal) = (desk.path("plan.json"), journal(desk.folder()));
-    let valid: Value = serde_json::from_slice(&desk.read("plan.json")).unwrap();
+    let (path, journal) = (desk.path("study.json"), journal(desk.folder()));
+    let valid: Value = serde_json::from_slice(&desk.read("study.json")).unwrap();
     let lines = fs::read_to_string(&journal).unwrap();
     let records = lines.split_once('\n').unwrap().1;
     let file = json!({ "study": valid["study"], "tasks": valid["tasks"] });

@@ -28,7 +28,7 @@ fn planned(desk: &Desk, trials: usize) {
     let header = lines.next().unwrap().split(", plan").next().unwrap();
     let (_, record) = lines.next().unwrap().split_once(' ').unwrap();
     let record: Value = serde_json::from_str(record).unwrap();
-    let plan: Value = serde_json::from_str(&desk.read("planned/plan.json")).unwrap();
+    let plan: Value = serde_json::from_str(&desk.read("planned/study.json")).unwrap();
     let plan = plan["plan"].as_str().unwrap();
     for task in 1..=TASKS {
         let path = desk.path(&format!("planned/journals/{task:05}-synthetic"));

@@ -44,14 +44,14 @@ fn processes_that_plan_one_study_at_once_agree_on_its_plan_or_are_refused() {
         let ended = at_once(&desk, |number| {
             format!("plan small.toml --tasks {} --out {out}", tasks(number))
         });
-        let plan = desk.read(&format!("{out}/plan.json"));
+        let plan = desk.read(&format!("{out}/study.json"));
         for (number, (code, said)) in ended.into_iter().enumerate() {
             let is_there = plan.contains(&format!("\"tasks\": {},", tasks(number)));
             assert_eq!(code, Some(if is_there { 0 } else { 73 }), "{said}");
         }
         let names = |name: &str| folder::names(&desk.path(name));
         assert_eq!(names(&out), names("alone"));
-        let is_same = plan == desk.read("alone/plan.json");
+        let is_same = plan == desk.read("alone/study.json");
         assert!(
             is_same || kinds == 2,
             "another plan than that of one process"

@@ -175,12 +175,12 @@ fn faults_in_a_study_and_in_its_commands_are_told_with_the_way_out() {
     desk.done("run small.toml --out b --trials 1 --set xcs.beta=0.1");
     desk.refused("merge a b --out ab", 65, "different studies");
     desk.refused("run small.toml --out a --trials 2", 73, "another study");
-    let plan = desk.read("a/plan.json");
+    let plan = desk.read("a/study.json");
     let changed = plan.replace("\"beta\": 0.2", "\"beta\": 0.3");
-    let frozen = "plan.json is damaged: it was changed after it was frozen";
+    let frozen = "study.json is damaged: it was changed after it was frozen";
     let half = &plan[..plan.len() / 2];
-    for (plan, message) in [(changed.as_str(), frozen), (half, "plan.json is damaged")] {
-        desk.write("a/plan.json", plan);
+    for (plan, message) in [(changed.as_str(), frozen), (half, "study.json is damaged")] {
+        desk.write("a/study.json", plan);
         desk.refused("report a", 65, message);
     }
 }

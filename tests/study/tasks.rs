@@ -237,7 +237,7 @@ fn another_study_another_split_and_another_program_are_refused() {
     ] {
         desk.refused(words, code, message);
     }
-    let plan = desk.read("split/plan.json");
+    let plan = desk.read("split/study.json");
     for (key, other, message) in [
         (
             "\"seed\": 7",
@@ -250,10 +250,10 @@ fn another_study_another_split_and_another_program_are_refused() {
             "the number of tasks was changed",
         ),
     ] {
-        desk.write("split/plan.json", &plan.replace(key, other));
+        desk.write("split/study.json", &plan.replace(key, other));
         desk.refused("task split 1", 65, message);
     }
-    desk.write("split/plan.json", &plan);
+    desk.write("split/study.json", &plan);
     fs::remove_dir(desk.path("split/journals")).unwrap();
     desk.write("split/journals", "in the way");
     // No option is named that a task does not have.

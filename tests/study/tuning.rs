@@ -51,7 +51,7 @@ fn a_search_halves_its_candidates_within_its_budget_and_ends_on_fresh_seeds() {
     }
     // The final, and each rung, have seeds of their own.
     let seed = |name: &str| {
-        let plan = desk.read(&format!("a/{name}/plan.json"));
+        let plan = desk.read(&format!("a/{name}/study.json"));
         serde_json::from_str::<Value>(&plan).unwrap()["study"]["seed"].clone()
     };
     assert!(seed("final") != seed("rung-1") && seed("rung-1") != 1);

@@ -7,7 +7,7 @@ use super::distinct;
 use crate::page::Table;
 use crate::study::analysis::summary::{ArmRecords, by_success};
 use crate::study::protocol::Arm;
-use crate::study::statistics::{Interval, Pairs, Proportion, holm, rounded};
+use crate::study::statistics::{Interval, Pairs, holm, rounded};
 
 /// The effect of one switch in one world.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -18,8 +18,8 @@ pub struct SwitchEffect {
     pub setting: String,
     /// The name of the switch.
     pub switch: String,
-    /// Share of successes with the switch minus that without, over all states of the other
-    /// switches.
+    /// Share of successes with the switch minus the share without, over all states of the other
+    /// switches. All three effects compare pairs of trials that differ in nothing but the switch.
     pub main_effect: Interval,
     /// The effect with all other switches on.
     pub last_added: Interval,
@@ -94,9 +94,9 @@ impl SwitchEffect {
                 world: place.0.clone(),
                 setting: place.1.clone(),
                 switch: switch.clone(),
-                main_effect: difference(arms, switch),
-                last_added: difference(&others(true), switch),
-                alone: difference(&others(false), switch),
+                main_effect: paired(arms, switch).difference().rounded(),
+                last_added: paired(&others(true), switch).difference().rounded(),
+                alone: paired(&others(false), switch).difference().rounded(),
                 holm_p: rounded(p),
             }
         };
@@ -127,19 +127,6 @@ fn paired(arms: &[&ArmRecords<'_>], switch: &str) -> Pairs {
         worse: sum.worse + one.worse,
         equal: sum.equal + one.equal,
     })
-}
-
-fn pooled(arms: &[&ArmRecords<'_>], switch: &str, on: bool) -> Proportion {
-    let arms = arms.iter().filter(|one| state(one.arm, switch) == Some(on));
-    arms.map(|one| one.successes())
-        .fold(Proportion::new(0, 0), |sum, one| {
-            Proportion::new(sum.successes + one.successes, sum.trials + one.trials)
-        })
-}
-
-fn difference(arms: &[&ArmRecords<'_>], switch: &str) -> Interval {
-    let [with, without] = [true, false].map(|on| pooled(arms, switch, on));
-    with.difference(without).rounded()
 }
 
 /// Formats the effects as a table, in percentage points.

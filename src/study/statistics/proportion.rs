@@ -48,18 +48,6 @@ impl Proportion {
             high: ((centre + half) / scale).clamp(value, 1.0),
         }
     }
-
-    /// Returns this share minus `other`, with Newcombe's 95 % interval (1998, method 10), which
-    /// combines the two Wilson intervals.
-    pub fn difference(self, other: Self) -> Interval {
-        let (a, b) = (self.wilson(), other.wilson());
-        let value = a.value - b.value;
-        Interval {
-            value,
-            low: value - (a.value - a.low).hypot(b.high - b.value),
-            high: value + (a.high - a.value).hypot(b.value - b.low),
-        }
-    }
 }
 
 /// The 80 % quantile of the normal distribution.
@@ -132,13 +120,5 @@ mod tests {
     fn the_interval_is_0_to_1_without_trials() {
         let none = Proportion::new(0, 0).wilson();
         assert_eq!((none.low, none.high), (0.0, 1.0));
-    }
-
-    #[test]
-    fn the_difference_of_newcombes_first_example() {
-        // Newcombe (1998), table II, row (a): 56/70 against 48/80, method 10.
-        let difference = Proportion::new(56, 70).difference(Proportion::new(48, 80));
-        assert_close((difference.low * 1e4).round() / 1e4, 0.0524);
-        assert_close((difference.high * 1e4).round() / 1e4, 0.3339);
     }
 }

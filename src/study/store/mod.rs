@@ -1,4 +1,4 @@
-//! The folder of a study: `plan.json`, and a journal of finished trials for each process.
+//! The folder of a study: `study.json`, and a journal of finished trials for each process.
 //!
 //! Only two properties of the file system are required. The writes of a process become visible
 //! eventually, and in order. Only one process can create a file of a given name. No journal is

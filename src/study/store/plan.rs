@@ -16,7 +16,7 @@ use crate::study::protocol::{Protocol, id_of};
 use xcs::bounds::within;
 
 /// The file of the plan.
-pub const PLAN: &str = "plan.json";
+pub const PLAN: &str = "study.json";
 /// The result of a search for settings.
 pub const SEARCH: &str = "search.json";
 /// The folder of the journals.
@@ -28,7 +28,7 @@ const MOST_TASKS: usize = 100_000;
 /// Stands for all tasks in the name of a journal.
 pub const ALL_TASKS: usize = 0;
 
-/// The contents of `plan.json`.
+/// The contents of `study.json`.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PlanFile {
