@@ -25,11 +25,13 @@
 //! | `xcscr_sensing` | sensor models and the onboard computer |
 //! | [`world`], [`arena`], [`sensor`] | the robot, from `xcscr_robot`: mazes, where it acts, what it perceives |
 //! | [`agent`], [`episode`], [`trial`] | the learner, from `xcscr_learner`: methods, the loop, one trial |
-//! | [`record`], [`run`] | recordings, and recorded runs in a folder |
-//! | [`drive`] | a policy drives a robot that is known only by its messages; with the feature `ros2`, on ROS 2 |
-//! | [`study`] | many trials, statistics, reports |
-//! | [`export`], [`picture`], [`page`] | policies as code and data, as pictures, as HTML |
 //! | [`disk`] | atomic writes and folder locks |
+//! | [`page`], [`export`], [`picture`] | policies as HTML, as code and data, as pictures |
+//! | [`drive`] | a policy drives a robot that is known only by its messages; with the feature `ros2`, on ROS 2 |
+//! | [`record`], [`run`] | recordings, and recorded runs in a folder |
+//! | [`study`] | many trials, statistics, reports |
+//!
+//! The modules of this crate are listed in the order of their layers: a module uses only modules above it.
 //!
 //! A new sensor goes to `crates/robot/src/sensor/`, a new agent to `crates/learner/src/agent/`, a new topic to
 //! `src/record/topics/`, a new export target to `src/export/`, a new command to `src/commands/`. CONTRIBUTING.md walks
@@ -63,16 +65,17 @@
 
 #![warn(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
+// In order of their layers: a module names only modules above it.
 mod error;
 pub mod disk;
 pub mod page;
 pub mod export;
-pub mod record;
-pub mod run;
+pub mod picture;
 pub mod drive;
+pub mod record;
 #[cfg(feature = "ros2")]
 pub mod ros2;
-pub mod picture;
+pub mod run;
 pub mod study;
 
 pub use error::{Error, ErrorKind};

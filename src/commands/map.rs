@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
 use xcscr::disk;
-use xcscr::picture::{Animation, Scenes};
+use xcscr::picture::Scenes;
 use xcscr::run::{Rerun, RunFolder, Source};
 use xcscr::trial::Plan;
 
@@ -47,7 +47,7 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         Some(episode) => Scenes::After(episode),
         None => Scenes::Last,
     };
-    let animation = Animation::of(&Rerun::training(plan), scenes)?;
+    let animation = Rerun::training(plan).animation(scenes)?;
     let picture = match kind {
         Kind::Svg => animation.svg().into_bytes(),
         Kind::Png => animation.png()?,

@@ -33,5 +33,6 @@ pub use fault::{Fault, Mislocalised};
 pub use options::{DriverOptions, NodeOptions, SimulateOptions};
 pub use readings::{Imu, Network, Odometry, Readings, Scan};
 pub use setup::{DriveOptions, DriveSetup};
+pub(crate) use simulated::rolled;
 pub use simulated::{SimulatedReadings, SimulatedRobot};
 pub use watch::Frames;

@@ -154,6 +154,12 @@ fn pose([x, y, yaw]: [f64; 3]) -> Isometry2<f64> {
     Isometry2::new(Vector2::new(x, y), yaw)
 }
 
+/// Converts a pose in the map frame to the grid frame.
+pub(super) fn in_grid(maze: &Maze, in_map: [f64; 3]) -> Isometry2<f64> {
+    let grid = maze.grid_in_map().unwrap_or_else(Isometry2::identity);
+    grid.inverse() * pose(in_map)
+}
+
 /// Returns the start pose in the grid frame.
 fn start(maze: &Maze, given: Option<[f64; 3]>) -> Result<Isometry2<f64>, Error> {
     let Some(given) = given else {
@@ -162,11 +168,7 @@ fn start(maze: &Maze, given: Option<[f64; 3]>) -> Result<Isometry2<f64>, Error> 
         let middle = maze.centre_in_grid(cell);
         return Ok(Isometry2::translation(middle.x, middle.y));
     };
-    let in_map = pose(given);
-    let in_grid = match maze.grid_in_map() {
-        Some(grid) => grid.inverse() * in_map,
-        None => in_map,
-    };
+    let in_grid = in_grid(maze, given);
     let cell = maze.cell_in_grid(in_grid.translation.vector.into());
     let is_free = cell.is_some_and(|cell| !maze.is_wall(cell) && !maze.is_goal(cell));
     match is_free && given.iter().all(|number| number.is_finite()) {

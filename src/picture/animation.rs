@@ -3,10 +3,10 @@
 use std::ops::ControlFlow;
 
 use super::{drawing, moving_png, pixels};
+use crate::agent::Knowledge;
 use crate::arena::View;
 use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
 use crate::error::{Error, ErrorKind};
-use crate::run::Rerun;
 use crate::trial::{Judge, Plan, steps_to_goal};
 use crate::world::{Cell, Maze, Paths};
 
@@ -56,13 +56,16 @@ pub struct Animation {
 }
 
 impl Animation {
-    /// Repeats a run as far as needed and collects the frames.
+    /// Collects the frames while `watch` repeats the run of the plan for an observer, as far as needed.
     ///
     /// # Errors
-    /// When the run cannot be repeated or has no such episode, or when the maze has more than a million
-    /// cells.
-    pub fn of(run: &Rerun, scenes: Scenes) -> Result<Self, Error> {
-        let plan = &run.plan;
+    /// When the run has no such episode, when the maze has more than a million cells, and the errors of
+    /// `watch`.
+    pub(crate) fn of(
+        plan: &Plan,
+        scenes: Scenes,
+        watch: impl FnOnce(&mut dyn Observer) -> Result<Knowledge, Error>,
+    ) -> Result<Self, Error> {
         let instead = "`xcscr rules RUN --cell COL,ROW` shows what was learned in one cell";
         check_size(&plan.maze, MOST_CELLS, "drawn", instead)?;
         let episodes = plan.config.episodes;
@@ -76,7 +79,7 @@ impl Animation {
         };
         let mut camera = Camera::new(last, scenes == Scenes::Forming, plan);
         // The camera ends the run.
-        run.watch(&mut camera)?;
+        watch(&mut camera)?;
         let config = &plan.config;
         let (world, method) = (plan.maze.name(), config.method.name());
         let (arena, seed) = (config.arena.name(), config.seed);
@@ -261,6 +264,7 @@ mod tests {
     use super::*;
     use crate::agent::Method;
     use crate::arena::ArenaKind;
+    use crate::trial::Trial;
 
     /// Returns an empty hall with a start and a goal.
     fn hall(width: usize, height: usize) -> Maze {
@@ -272,7 +276,11 @@ mod tests {
     }
 
     fn filmed(plan: Plan, scenes: Scenes) -> Result<Animation, Error> {
-        Animation::of(&Rerun::training(plan), scenes)
+        Animation::of(&plan, scenes, |camera| {
+            let mut trial = Trial::new(plan.clone())?;
+            let _ = trial.run(camera);
+            Ok(trial.method().knowledge())
+        })
     }
 
     #[test]

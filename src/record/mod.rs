@@ -26,8 +26,8 @@ pub use mode::RecordMode;
 pub(crate) use mode::RecordModeError;
 pub use read::{check, compare, reader};
 pub use repair::{Recovery, recover};
+pub(crate) use ros::RosBag;
 pub use ros::{DriveBag, DriveRecording};
-pub(crate) use ros::{RosBag, rolled};
 #[cfg(feature = "ros2")]
 pub(crate) use ros::{drive_messages, messages};
 #[cfg(feature = "live")]

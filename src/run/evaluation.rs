@@ -7,11 +7,11 @@ use std::path::Path;
 use super::contents::{file_names, is_of_a_run, is_of_a_training};
 use super::error;
 use super::facts::run_info;
+use super::folder::RunFolder;
 use crate::agent::{Frozen, Knowledge};
 use crate::disk;
 use crate::episode::{Episode, Learned, Observer};
 use crate::error::{Error, ErrorKind};
-use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordSummary, Recorder, RecordingKind, RunInfo, RunKind};
 use crate::trial::{Evaluation, Plan, PlanError};
 
@@ -87,9 +87,7 @@ fn clear_evaluation(folder: &Path, force: bool) -> Result<(), Error> {
     let is_unfinished = |names: &[String]| {
         names.contains(&format!("{run}.part")) && !names.iter().any(|name| is_of_a_training(name))
     };
-    let recording = Recording::open(&folder.join(&run));
-    let is_finished = recording.is_ok_and(|run| matches!(run.run_kind(), Ok(RunKind::Evaluation)));
-    let is_evaluation = is_finished || is_unfinished(&names);
+    let is_evaluation = RunFolder::open(folder).is_evaluation() || is_unfinished(&names);
     if !is_evaluation || names.len() < entries.len() || !names.iter().all(|name| is_of_a_run(name))
     {
         return Err(error::foreign(folder));

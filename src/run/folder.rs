@@ -243,7 +243,7 @@ impl RunFolder {
     }
 
     /// Returns true if the folder contains a finished evaluation.
-    fn is_evaluation(&self) -> bool {
+    pub(super) fn is_evaluation(&self) -> bool {
         let run = Recording::open(&self.path.join(RecordingKind::Run.file_name()));
         run.is_ok_and(|run| matches!(run.run_kind(), Ok(RunKind::Evaluation)))
     }

@@ -31,18 +31,10 @@ impl RunFolder {
     }
 }
 
-/// Runs a trial and returns its highlights.
-///
-/// # Errors
-/// If the plan is invalid, or a temporary file cannot be written.
-pub fn highlights(plan: &Plan, mode: RecordMode) -> Result<Vec<u8>, Error> {
-    Material::again(plan, mode)?.build()
-}
-
 /// Runs a trial and returns the page that plays its highlights and its episodes.
 ///
 /// # Errors
-/// As for [`highlights`].
+/// If the plan is invalid, or a temporary file cannot be written.
 pub fn page(plan: &Plan, mode: RecordMode) -> Result<String, Error> {
     let material = Material::again(plan, mode)?;
     material.page(material.build()?)
@@ -56,7 +48,7 @@ impl Source {
     /// written.
     pub fn highlights(&self) -> Result<Vec<u8>, Error> {
         self.require_training()?;
-        highlights(&self.run.plan, self.mode)
+        Material::again(&self.run.plan, self.mode)?.build()
     }
 }
 

@@ -38,7 +38,7 @@ pub(crate) use evaluation::observe;
 pub use evaluation::{evaluate, record_evaluation};
 pub use external::{ExternalActions, ExternalEpisode, ExternalRecorder, WheelSpeeds};
 pub use folder::RunFolder;
-pub use highlights::{highlights, page};
+pub use highlights::page;
 pub use rerun::Rerun;
 pub use session::{Finished, Resumed, Session};
 pub use source::Source;

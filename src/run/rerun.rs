@@ -8,6 +8,7 @@ use super::facts::run_info;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::error::Error;
+use crate::picture::{Animation, Scenes};
 use crate::record::{RecordMode, Recorder};
 use crate::trial::{Evaluation, Plan, Trial};
 
@@ -48,6 +49,15 @@ impl Rerun {
         let plan = evaluation_plan(&self.plan, knowledge, episodes)?;
         Evaluation::observed(&plan, knowledge, episodes, observer)?;
         Ok(knowledge.clone())
+    }
+
+    /// Repeats the run as far as needed, and returns its policy as a picture or an animation.
+    ///
+    /// # Errors
+    /// When the run cannot be repeated or has no such episode, or when the maze has more than a million
+    /// cells.
+    pub fn animation(&self, scenes: Scenes) -> Result<Animation, Error> {
+        Animation::of(&self.plan, scenes, |camera| self.watch(camera))
     }
 
     /// Repeats the run and records it in a folder. Returns the knowledge at the end. `observer`

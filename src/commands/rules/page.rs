@@ -1,7 +1,7 @@
 //! Rules as one HTML page.
 
 use xcscr::page::{Block, Picture, Table, html};
-use xcscr::picture::{Animation, Scenes};
+use xcscr::picture::Scenes;
 use xcscr::run::Rerun;
 use xcscr::trial::{Plan, Why};
 use xcscr::world::Cell;
@@ -53,7 +53,7 @@ fn policy(plan: &Plan) -> Result<Picture, Failure> {
     Ok(Picture {
         name: "policy",
         caption: "The learned policy: arrows are the best actions, yellow far from the goal and purple near it",
-        svg: Animation::of(&Rerun::training(plan.clone()), Scenes::Last)?.svg(),
+        svg: Rerun::training(plan.clone()).animation(Scenes::Last)?.svg(),
     })
 }
 

@@ -13,9 +13,9 @@ use crate::record::error;
 use crate::record::info::{RecordingKind, RunInfo};
 use crate::record::layout;
 use crate::record::mode::RecordMode;
+use crate::record::read::episodes::Figures;
 use crate::record::read::reader::Recording;
 use crate::record::topics::caption::Caption;
-use crate::record::topics::episode::Figures;
 use crate::record::topics::{Topic, decoded, encoded, log, timestamp};
 use crate::record::write::log_file::{Facts, LogFile};
 use crate::record::write::sink::Packing;
@@ -193,8 +193,7 @@ impl<'a> HighlightsBuilder<'a> {
             if topic == Topic::Transforms {
                 self.follow(&data).map_err(damaged)?;
             } else if topic == Topic::Episode {
-                let read = serde_json::from_slice(&message.data);
-                figures = read.map_err(|fault| damaged(fault.to_string()));
+                figures = episode.figures(&message);
             }
             self.write(tempo.at(message.time_ns), topic, &data)?;
         }

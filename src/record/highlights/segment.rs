@@ -7,7 +7,6 @@ use foxglove::messages::{Point3, SceneUpdate};
 
 use crate::error::Error;
 use crate::record::read::reader::{Message, Recording};
-use crate::record::topics::episode::Figures;
 use crate::record::topics::policy::ARROW_CORNERS;
 use crate::record::topics::{Topic, decoded};
 
@@ -79,8 +78,7 @@ pub fn segments(run: &Recording) -> Result<Vec<Segment>, Error> {
         match Topic::named(message.topic()) {
             Some(Topic::Policy) => policy.see(run, &message)?,
             Some(Topic::Episode) => {
-                let figures: Figures = serde_json::from_slice(&message.data)
-                    .map_err(|fault| run.damaged(fault.to_string()))?;
+                let figures = run.figures(&message)?;
                 if figures.outcome != "running" {
                     ended.push(Ended {
                         episode: figures.episode,

@@ -2,6 +2,7 @@
 
 mod check;
 mod compare;
+pub(super) mod episodes;
 pub mod reader;
 pub(super) mod records;
 

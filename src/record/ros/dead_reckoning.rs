@@ -1,8 +1,9 @@
 //! Dead reckoning: the pose of a robot that only counts wheel rotation.
 
-use nalgebra::{Complex, Isometry2, Translation2, UnitComplex};
+use nalgebra::Isometry2;
 
 use crate::arena::Sample;
+use crate::drive::rolled;
 
 /// The pose in the frame `odom`: it never jumps, but drifts away from the true pose (REP 105).
 pub struct DeadReckoning {
@@ -56,20 +57,6 @@ impl DeadReckoning {
             since_s: now.time_ns.saturating_sub(last.time_ns) as f64 * 1e-9,
         }
     }
-}
-
-/// Returns the arc of a robot whose left and right wheel rolled from `from` to `to`, in metres.
-pub fn rolled(from: [f64; 2], to: [f64; 2], base_m: f64) -> Isometry2<f64> {
-    let [left, right] = [to[0] - from[0], to[1] - from[1]];
-    let (distance, half_rad) = ((left + right) / 2.0, (right - left) / base_m / 2.0);
-    let (sine, cosine) = libm::sincos(half_rad);
-    let chord = if half_rad == 0.0 {
-        distance
-    } else {
-        distance * sine / half_rad
-    };
-    let half = UnitComplex::new_unchecked(Complex::new(cosine, sine));
-    Isometry2::from_parts(Translation2::new(chord * cosine, chord * sine), half * half)
 }
 
 #[cfg(test)]

@@ -24,7 +24,6 @@ use crate::episode::{Episode, Learned, Observer, Step};
 use crate::error::Error;
 use crate::record::error;
 use dead_reckoning::DeadReckoning;
-pub(crate) use dead_reckoning::rolled;
 pub use drive_bag::{DriveBag, DriveRecording};
 use messages::{
     BASE, EstimatedPose, LASER, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, TRUE_BASE,

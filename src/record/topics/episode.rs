@@ -1,13 +1,8 @@
 //! `/episode`: at the start, that an episode runs; at the end, its figures. `/ended`: its number.
 
-use serde::Deserialize;
-
-use super::Topic;
 use super::fields::{Fields, fields};
 use crate::agent::Knowledge;
 use crate::episode::{Ending, Episode};
-use crate::error::Error;
-use crate::record::read::reader::Recording;
 use xcs::{Classifier, Population, PredictionArray};
 
 /// The policy at this time, evaluated from the episode's start.
@@ -92,42 +87,4 @@ fn generality(rule: &Classifier) -> f64 {
 /// Returns the number of whether the greedy policy is optimal, as in `episode.json`.
 fn policy_number(optimal: bool) -> u8 {
     if optimal { 3 } else { 1 }
-}
-
-/// The figures of an episode that highlights and summaries show.
-#[derive(Debug, Deserialize)]
-pub struct Figures {
-    /// The episode's number.
-    pub episode: u32,
-    /// `goal`, `step-limit`, or `running` for a message at the start of the episode.
-    pub outcome: String,
-    /// True if the policy is globally optimal.
-    pub optimal: bool,
-    /// The number of steps.
-    pub steps: Option<u32>,
-    /// The number of collisions.
-    pub collisions: Option<u32>,
-    /// The number of rules.
-    pub rules: Option<u32>,
-    /// The number of steps of the shortest path.
-    pub shortest: Option<u32>,
-}
-
-impl Recording {
-    /// Returns the figures of all finished episodes.
-    ///
-    /// # Errors
-    /// If the recording is damaged.
-    pub fn episodes(&self) -> Result<Vec<Figures>, Error> {
-        let mut episodes = Vec::new();
-        for message in self.messages() {
-            let message = message?;
-            if Topic::named(message.topic()) == Some(Topic::Episode) {
-                let figures: Figures = serde_json::from_slice(&message.data)
-                    .map_err(|fault| self.damaged(format!("/episode: {fault}")))?;
-                episodes.extend((figures.outcome != "running").then_some(figures));
-            }
-        }
-        Ok(episodes)
-    }
 }
