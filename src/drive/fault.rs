@@ -1,17 +1,22 @@
 //! Faults that make the driver stop.
 
-use std::fmt;
+use strum::IntoStaticStr;
 
 /// The reason why the driver keeps the robot at rest.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, IntoStaticStr, thiserror::Error)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Fault {
     /// No scan for this many seconds.
+    #[error("no scan on /scan for {0:.2} s")]
     NoScans(f64),
     /// No odometry for this many seconds.
+    #[error("no odometry on /odom for {0:.2} s")]
     NoOdometry(f64),
     /// Simulated time has stood still for this many seconds.
+    #[error("no time on /clock for {0:.2} s")]
     NoClock(f64),
     /// The stamps of a topic jumped. Final.
+    #[error("the stamps of {topic} jumped by {by_s:.3} s; restart the driver")]
     ClockJumped {
         /// The topic.
         topic: &'static str,
@@ -19,16 +24,27 @@ pub enum Fault {
         by_s: f64,
     },
     /// A scan is this many seconds newer than odometry, or older if negative.
+    #[error("the stamps of /scan are {0:.2} s off the stamps of /odom; synchronise the clocks")]
     ClocksDisagree(f64),
     /// The last beam of a scan is this many seconds newer than odometry.
+    #[error(
+        "the last beam of /scan is {0:.2} s newer than /odom; if the stamp is that of the last beam, pass \
+         --reversed-scans"
+    )]
     ScanAhead(f64),
     /// This share of a scan's ranges is not a number, or the scan has no ranges.
+    #[error("{:.0} % of the ranges of a scan are not a number", 100.0 * .0)]
     InvalidRanges(f64),
     /// Hardly any beam of a scan returned: this many.
+    #[error(
+        "only {0} beams of a scan returned; uncover the lidar, or bring the robot nearer to a wall"
+    )]
     NoReturns(usize),
     /// A pose or a speed is not a number.
+    #[error("a pose or a speed on /odom is not a number")]
     InvalidOdometry,
     /// A message has an unexpected frame.
+    #[error("{topic} is in the frame `{found}`, but must be in {expected}")]
     WrongFrame {
         /// The topic.
         topic: &'static str,
@@ -38,6 +54,9 @@ pub enum Fault {
         expected: String,
     },
     /// The lidar differs from the one the policy was trained with.
+    #[error(
+        "another lidar than the policy was trained with: {what} {found}, but {expected} in the profile"
+    )]
     WrongLidar {
         /// The property that differs.
         what: &'static str,
@@ -47,6 +66,7 @@ pub enum Fault {
         expected: f64,
     },
     /// A publisher or subscriber of a topic is incompatible with the driver.
+    #[error("{topic} has an incompatible quality of service: {cause}")]
     WrongQos {
         /// The topic.
         topic: String,
@@ -54,21 +74,27 @@ pub enum Fault {
         cause: String,
     },
     /// The number of other nodes that publish commands.
+    #[error("{}", other_publishers(*.0))]
     OtherPublisher(usize),
     /// The robot is not at its estimated position. Final.
+    #[error("mislocalised: {0}; restart the driver")]
     Mislocalised(Mislocalised),
     /// The caller requested the end. Final.
+    #[error("interrupted")]
     Interrupted,
 }
 
 /// The evidence that the estimate is wrong.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Mislocalised {
     /// The standard deviation of the position in metres, which exceeds a quarter of a cell.
+    #[error("the position is uncertain by {0:.2} m")]
     Unsure(f64),
     /// The estimated cell is a wall, or outside of the maze.
+    #[error("the estimated cell is a wall or outside of the maze")]
     InAWall,
     /// The share of beams that do not end at the walls of the maze.
+    #[error("{:.0} % of the beams do not end at the walls of the maze", 100.0 * .0)]
     ScanDisagrees(f64),
 }
 
@@ -95,101 +121,13 @@ impl Fault {
 
     /// Returns a short name, the same for all faults of a kind.
     pub fn name(&self) -> &'static str {
-        match self {
-            Self::NoScans(_) => "no-scans",
-            Self::NoOdometry(_) => "no-odometry",
-            Self::NoClock(_) => "no-clock",
-            Self::ClockJumped { .. } => "clock-jumped",
-            Self::ClocksDisagree(_) => "clocks-disagree",
-            Self::ScanAhead(_) => "scan-ahead",
-            Self::InvalidRanges(_) => "invalid-ranges",
-            Self::NoReturns(_) => "no-returns",
-            Self::InvalidOdometry => "invalid-odometry",
-            Self::WrongFrame { .. } => "wrong-frame",
-            Self::WrongLidar { .. } => "wrong-lidar",
-            Self::WrongQos { .. } => "wrong-qos",
-            Self::OtherPublisher(_) => "other-publisher",
-            Self::Mislocalised(_) => "mislocalised",
-            Self::Interrupted => "interrupted",
-        }
+        self.into()
     }
 }
 
-impl fmt::Display for Fault {
-    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoScans(age_s) => write!(to, "no scan on /scan for {age_s:.2} s"),
-            Self::NoOdometry(age_s) => write!(to, "no odometry on /odom for {age_s:.2} s"),
-            Self::NoClock(age_s) => write!(to, "no time on /clock for {age_s:.2} s"),
-            Self::ClockJumped { topic, by_s } => {
-                write!(
-                    to,
-                    "the stamps of {topic} jumped by {by_s:.3} s; restart the driver"
-                )
-            }
-            Self::ClocksDisagree(by_s) => write!(
-                to,
-                "the stamps of /scan are {by_s:.2} s off the stamps of /odom; synchronise the clocks"
-            ),
-            Self::ScanAhead(by_s) => write!(
-                to,
-                "the last beam of /scan is {by_s:.2} s newer than /odom; if the stamp is that of the last beam, pass \
-                 --reversed-scans"
-            ),
-            Self::InvalidRanges(share) => write!(
-                to,
-                "{:.0} % of the ranges of a scan are not a number",
-                100.0 * share
-            ),
-            Self::NoReturns(count) => write!(
-                to,
-                "only {count} beams of a scan returned; uncover the lidar, or bring the robot nearer to a wall"
-            ),
-            Self::InvalidOdometry => write!(to, "a pose or a speed on /odom is not a number"),
-            Self::WrongFrame {
-                topic,
-                found,
-                expected,
-            } => write!(
-                to,
-                "{topic} is in the frame `{found}`, but must be in {expected}"
-            ),
-            Self::WrongLidar {
-                what,
-                found,
-                expected,
-            } => write!(
-                to,
-                "another lidar than the policy was trained with: {what} {found}, but {expected} in the profile"
-            ),
-            Self::WrongQos { topic, cause } => {
-                write!(
-                    to,
-                    "{topic} has an incompatible quality of service: {cause}"
-                )
-            }
-            Self::OtherPublisher(1) => write!(to, "another node publishes on /cmd_vel; stop it"),
-            Self::OtherPublisher(count) => {
-                write!(to, "{count} other nodes publish on /cmd_vel; stop them")
-            }
-            Self::Mislocalised(cause) => write!(to, "mislocalised: {cause}; restart the driver"),
-            Self::Interrupted => write!(to, "interrupted"),
-        }
-    }
-}
-
-impl fmt::Display for Mislocalised {
-    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unsure(deviation_m) => {
-                write!(to, "the position is uncertain by {deviation_m:.2} m")
-            }
-            Self::InAWall => write!(to, "the estimated cell is a wall or outside of the maze"),
-            Self::ScanDisagrees(share) => write!(
-                to,
-                "{:.0} % of the beams do not end at the walls of the maze",
-                100.0 * share
-            ),
-        }
+fn other_publishers(count: usize) -> String {
+    match count {
+        1 => "another node publishes on /cmd_vel; stop it".to_owned(),
+        _ => format!("{count} other nodes publish on /cmd_vel; stop them"),
     }
 }
