@@ -9,7 +9,7 @@ use crate::trial::{PlanError, RobotError, SettingsError};
 use crate::world::{MapError, WorldError, bundled_world};
 use xcs::bounds::OutOfRange;
 
-/// The kinds of errors. Each has an exit code of the program.
+/// The kinds of errors. Each has its own exit code of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorKind {
     /// The reader of the output has closed it. This is a clean exit.
@@ -26,10 +26,8 @@ pub enum ErrorKind {
     Missing,
     /// An internal error of this program.
     Internal,
-    /// The output cannot be created.
+    /// The output cannot be created, for example because another process uses it.
     CannotCreate,
-    /// Another process uses the output.
-    InUse,
     /// Input or output error.
     Io,
     /// Interrupted. A valid checkpoint was left.
@@ -47,7 +45,7 @@ impl ErrorKind {
             Self::BadData => 65,
             Self::Missing => 66,
             Self::Internal => 70,
-            Self::CannotCreate | Self::InUse => 73,
+            Self::CannotCreate => 73,
             Self::Io => 74,
             Self::Interrupted => 75,
         }

@@ -61,7 +61,7 @@ impl FolderLock {
             "{} is in use by {holder}: wait for it, or choose another folder with `--out`",
             folder.display()
         );
-        Err(ErrorKind::InUse.error(message))
+        Err(ErrorKind::CannotCreate.error(message))
     }
 
     /// Writes the process id into the lock file. Returns false if the previous holder has removed

@@ -316,9 +316,11 @@ fn say_warnings(protocol: &Protocol) {
 
 /// Reports a complete study. For an incomplete study, prints the results of its finished trials.
 fn report(path: &Path, force: bool, format: Format, out: &mut Results) -> Result<(), Failure> {
-    // A running study can be read, but nothing can be written to its folder.
+    // A running study, or one in a read-only folder, can be read, but nothing can be written there.
     let (folder, busy) = match StudyFolder::read_locked(path) {
-        Err(busy) if busy.kind() == ErrorKind::InUse => (StudyFolder::read(path)?, Some(busy)),
+        Err(busy) if busy.kind() == ErrorKind::CannotCreate => {
+            (StudyFolder::read(path)?, Some(busy))
+        }
         folder => (folder?, None),
     };
     if let Err(incomplete) = folder.require_complete() {
