@@ -6,6 +6,8 @@ use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
+use textwrap::core::Word;
+use textwrap::{Options, WordSeparator, WordSplitter};
 
 use super::results::{Results, Unwritten};
 
@@ -61,36 +63,25 @@ fn broken_line(line: &str) -> String {
     if line.chars().count() <= COLUMNS {
         return line.to_owned();
     }
-    let margin = line.len() - line.trim_start().len();
-    let mut text = line[..margin].to_owned();
-    let mut length = margin;
-    for word in words(line[margin..].trim_end()) {
-        let size = word.chars().count();
-        if length > margin && length + 1 + size > COLUMNS {
-            write!(text, "\n{:width$}", "", width = margin + 2).expect("a string has room");
-            length = margin + 2;
-        } else if length > margin {
-            text.push(' ');
-            length += 1;
-        }
-        text.push_str(&word);
-        length += size;
-    }
-    text
+    let text = line.trim_start();
+    let margin = " ".repeat(line.len() - text.len() + 2);
+    let options = Options::new(COLUMNS)
+        .initial_indent(&margin[2..])
+        .subsequent_indent(&margin)
+        .break_words(false)
+        .word_separator(WordSeparator::Custom(words))
+        .word_splitter(WordSplitter::NoHyphenation);
+    textwrap::fill(text, options)
 }
 
 /// Splits a line into words. Text between backticks is one word.
-fn words(line: &str) -> Vec<String> {
-    let mut words: Vec<String> = Vec::new();
+fn words(line: &str) -> Box<dyn Iterator<Item = Word<'_>> + '_> {
     let mut is_open = false;
-    for word in line.split(' ') {
-        match words.last_mut().filter(|_| is_open) {
-            Some(before) => *before = format!("{before} {word}"),
-            None => words.push(word.to_owned()),
-        }
-        is_open ^= word.matches('`').count() % 2 == 1;
-    }
-    words
+    let ends = move |letter| {
+        is_open ^= letter == '`';
+        letter == ' ' && !is_open
+    };
+    Box::new(line.split_inclusive(ends).map(Word::from))
 }
 
 /// Returns true if the terminal on stdout shows links (OSC 8). `FORCE_HYPERLINK=1` enables links,

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use textwrap::WordSplitter;
+
 /// Width of a terminal, in columns.
 const COLUMNS: usize = 80;
 /// Least width to which a text column is narrowed to fit the terminal.
@@ -298,25 +300,12 @@ pub fn terminal(blocks: &[Block]) -> String {
 
 /// Wraps text between words to lines of at most `width` characters.
 fn wrapped(text: &str, width: usize) -> String {
-    let mut lines = String::new();
-    let mut length = 0;
-    for word in text.replace("**", "").replace('`', "").split_whitespace() {
-        let size = word.chars().count();
-        match length {
-            0 => (),
-            _ if length + 1 + size > width => {
-                lines.push('\n');
-                length = 0;
-            }
-            _ => {
-                lines.push(' ');
-                length += 1;
-            }
-        }
-        lines.push_str(word);
-        length += size;
-    }
-    lines
+    let plain = text.replace("**", "").replace('`', "");
+    let words: Vec<&str> = plain.split_whitespace().collect();
+    let options = textwrap::Options::new(width)
+        .break_words(false)
+        .word_splitter(WordSplitter::NoHyphenation);
+    textwrap::fill(&words.join(" "), options)
 }
 
 #[cfg(test)]
