@@ -1,16 +1,15 @@
 //! Reading recordings back.
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mcap::records::Record;
 use mcap::sans_io::linear_reader::LinearReaderOptions;
-use mcap::{MAGIC, McapError, McapResult, MessageStream, Summary};
+use mcap::{MAGIC, McapError, McapResult, Summary};
 use serde::Serialize;
 
-use super::records::{Records, for_each_record, unpacked_size};
+use super::records::{self, Records};
 use crate::disk;
 use crate::error::{Error, ErrorKind};
 use crate::record::error;
@@ -144,17 +143,10 @@ impl Recording {
             .with_check_finishes_after_end_magic(true)
             .with_validate_data_section_crc(true)
             .with_validate_summary_section_crc(true);
-        let size = bytes.len() as u64;
-        for_each_record(
-            bytes,
-            size,
-            options,
-            |fault| fault,
-            |record| {
-                self.keep(record);
-                Ok(ControlFlow::Continue(()))
-            },
-        )
+        for record in Records::new(bytes, bytes.len() as u64, options) {
+            self.keep(record?);
+        }
+        Ok(())
     }
 
     fn keep(&mut self, record: Record<'_>) {
@@ -209,12 +201,7 @@ impl Recording {
 
     /// Returns all messages in the order of the file, which is the order of time.
     pub fn messages(&self) -> impl Iterator<Item = Result<Message, Error>> + '_ {
-        let (stream, failed) = match MessageStream::new(&self.bytes) {
-            Ok(stream) => (Some(stream), None),
-            Err(error) => (None, Some(Err(error))),
-        };
-        let messages = stream.into_iter().flatten().chain(failed);
-        messages.map(|message| {
+        records::messages(&self.bytes).map(|message| {
             let message = message.map_err(error::damaged(&self.path))?;
             Ok(Message {
                 channel: message.channel,
@@ -289,7 +276,11 @@ fn is_unfinished(path: &Path) -> bool {
 /// Rejects a file that unpacks to far more bytes than its size, before unpacking any of it.
 fn check_unpacked(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let most = disk::most_unpacked(bytes.len() as u64);
-    let sizes = Records::of(bytes).filter_map(|(_, opcode, body)| unpacked_size(opcode, body));
+    let options = LinearReaderOptions::default().with_emit_chunks(true);
+    let sizes = Records::new(bytes, bytes.len() as u64, options).map(|record| match record {
+        Ok(Record::Chunk { header, .. }) => header.uncompressed_size,
+        _ => 0,
+    });
     let unpacked = sizes.fold(0, u64::saturating_add);
     match unpacked <= most {
         true => Ok(()),

@@ -1,48 +1,95 @@
 //! The records of MCAP files, safe for arbitrary bytes.
 
 use std::io::Read;
-use std::ops::ControlFlow;
 
+use mcap::read::ChannelAccumulator;
 use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use mcap::{MAGIC, McapError, McapResult};
+use mcap::{MAGIC, McapError, McapResult, Message};
 
 use crate::disk;
 
 /// The number of bytes of the opcode and the length before each record.
-pub(in crate::record) const HEAD_BYTES: usize = 9;
+const HEAD_BYTES: usize = 9;
 
-/// Passes the records of a stream of `size` bytes to `take`, with those inside of chunks, until
-/// `take` breaks. Checksums are verified as the options say.
-///
-/// # Errors
-/// Errors of `take`, and those of the stream as `fault` converts them.
-pub(in crate::record) fn for_each_record<E>(
-    mut stream: impl Read,
-    size: u64,
-    options: LinearReaderOptions,
-    fault: impl Fn(McapError) -> E,
-    mut take: impl FnMut(Record<'_>) -> Result<ControlFlow<()>, E>,
-) -> Result<(), E> {
-    let options = options
-        .with_prevalidate_chunk_crcs(true)
-        .with_record_length_limit(longest_record(size));
-    let mut reader = LinearReader::new_with_options(options);
-    while let Some(event) = reader.next_event() {
-        match event.map_err(&fault)? {
-            LinearReadEvent::ReadRequest(wanted) => {
-                let read = stream.read(reader.insert(wanted));
-                reader.notify_read(read.map_err(|cause| fault(McapError::Io(cause)))?);
-            }
-            LinearReadEvent::Record { opcode, data } => {
-                let record = parse_record(opcode, data).map_err(&fault)?;
-                if take(record)?.is_break() {
-                    return Ok(());
-                }
-            }
+/// The records of an MCAP stream in sequence, with those inside of chunks, unless the options say
+/// otherwise. Checksums of chunks are verified. A fault of the stream is the last item. A record
+/// that cannot be parsed is an error, too, but the records after it follow.
+pub(in crate::record) struct Records<R> {
+    stream: R,
+    /// `None` after the end and after a fault of the stream.
+    reader: Option<LinearReader>,
+    at: usize,
+}
+
+impl<R: Read> Records<R> {
+    /// Reads a stream of `size` bytes.
+    pub fn new(stream: R, size: u64, options: LinearReaderOptions) -> Self {
+        let options = options
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(longest_record(size));
+        Self {
+            stream,
+            reader: Some(LinearReader::new_with_options(options)),
+            at: MAGIC.len(),
         }
     }
-    Ok(())
+
+    /// Returns the position of the next record, if chunks are not unpacked.
+    pub fn at(&self) -> usize {
+        self.at
+    }
+}
+
+impl<R: Read> Iterator for Records<R> {
+    type Item = McapResult<Record<'static>>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let reader = self.reader.as_mut()?;
+        let fault = loop {
+            match reader.next_event()? {
+                Ok(LinearReadEvent::ReadRequest(wanted)) => {
+                    match self.stream.read(reader.insert(wanted)) {
+                        Ok(bytes) => reader.notify_read(bytes),
+                        Err(cause) => break McapError::Io(cause),
+                    }
+                }
+                Ok(LinearReadEvent::Record { opcode, data }) => {
+                    self.at += HEAD_BYTES + data.len();
+                    return Some(parse_record(opcode, data).map(Record::into_owned));
+                }
+                Err(fault) => break fault,
+            }
+        };
+        self.reader = None;
+        Some(Err(fault))
+    }
+}
+
+/// Returns the messages of an MCAP file in sequence, each with its channel.
+pub(in crate::record) fn messages(
+    bytes: &[u8],
+) -> impl Iterator<Item = McapResult<Message<'static>>> {
+    let mut channels = ChannelAccumulator::default();
+    let options = LinearReaderOptions::default();
+    let records = Records::new(bytes, bytes.len() as u64, options);
+    records.filter_map(move |record| match record {
+        Ok(Record::Schema { header, data }) => channels.add_schema(header, data).err().map(Err),
+        Ok(Record::Channel(channel)) => channels.add_channel(channel).err().map(Err),
+        Ok(Record::Message { header, data }) => {
+            let unknown = McapError::UnknownChannel(header.sequence, header.channel_id);
+            let channel = channels.get(header.channel_id).ok_or(unknown);
+            Some(channel.map(|channel| Message {
+                channel,
+                sequence: header.sequence,
+                log_time: header.log_time,
+                publish_time: header.publish_time,
+                data,
+            }))
+        }
+        Ok(_) => None,
+        Err(fault) => Some(Err(fault)),
+    })
 }
 
 /// Returns the maximum accepted length of a record in a file of this many bytes: damaged lengths in
@@ -53,7 +100,7 @@ fn longest_record(bytes: u64) -> usize {
 
 /// Parses a record. The library assumes that an attachment is as long as its length fields say, and
 /// panics otherwise. This function returns an error instead.
-pub fn parse_record(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
+fn parse_record(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
     if opcode == op::ATTACHMENT && attachment_header(body).is_none() {
         return Err(McapError::BadAttachmentLength {
             header: 0,
@@ -72,49 +119,6 @@ fn attachment_header(body: &[u8]) -> Option<usize> {
     };
     let header = after_text(after_text(16)?)?.checked_add(8)?;
     (header.checked_add(4)? <= body.len()).then_some(header)
-}
-
-/// Returns the unpacked size stated by a chunk; `None` for other records. No more than this is ever
-/// unpacked.
-pub(in crate::record) fn unpacked_size(opcode: u8, body: &[u8]) -> Option<u64> {
-    // The size follows the times of the first and the last message.
-    let size = body.get(16..24).filter(|_| opcode == op::CHUNK)?;
-    Some(u64::from_le_bytes(size.try_into().ok()?))
-}
-
-/// The complete records of a file in sequence: position, opcode and body.
-pub(in crate::record) struct Records<'a> {
-    bytes: &'a [u8],
-    at: usize,
-}
-
-impl<'a> Records<'a> {
-    /// Iterates over a file that begins with the magic.
-    pub fn of(bytes: &'a [u8]) -> Self {
-        let at = MAGIC.len();
-        Self { bytes, at }
-    }
-
-    /// Returns the position of the next record.
-    pub fn at(&self) -> usize {
-        self.at
-    }
-}
-
-impl<'a> Iterator for Records<'a> {
-    type Item = (usize, u8, &'a [u8]);
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let at = self.at;
-        let head = self.bytes.get(at..at + HEAD_BYTES)?;
-        let (opcode, length) = head.split_first()?;
-        let length = u64::from_le_bytes(length.try_into().ok()?);
-        let start = at + HEAD_BYTES;
-        let end = start.checked_add(usize::try_from(length).ok()?)?;
-        let body = self.bytes.get(start..end)?;
-        self.at = end;
-        Some((at, *opcode, body))
-    }
 }
 
 #[cfg(test)]

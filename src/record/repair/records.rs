@@ -3,16 +3,13 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Write;
-use std::ops::ControlFlow;
 
 use mcap::records::{self, AttachmentHeader, MessageHeader, Record};
 use mcap::sans_io::linear_reader::LinearReaderOptions;
-use mcap::{MAGIC, McapError, McapResult, Summary};
+use mcap::{MAGIC, McapResult, Summary};
 
 use crate::disk;
-use crate::record::read::records::{
-    HEAD_BYTES, Records, for_each_record, parse_record, unpacked_size,
-};
+use crate::record::read::records::Records;
 use crate::record::write::sink::{self, Packing, Sink};
 
 /// The result of a recovery.
@@ -57,28 +54,36 @@ pub(super) fn copy_records<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Re
     let mut has_end = false;
     // Recovered data may be packed more tightly, and must be accepted when it is read back.
     let mut room = disk::most_unpacked(bytes.len() as u64) / 2;
-    let mut records = Records::of(bytes);
-    for (at, opcode, body) in records.by_ref() {
-        let size = HEAD_BYTES + body.len();
-        if let Some(unpacked) = unpacked_size(opcode, body) {
-            if unpacked > room {
-                let what = format!(
-                    "a chunk unpacks to {unpacked} bytes, more than is accepted for a file of this size"
-                );
-                copier.recovery.lose(size, at, &what);
-                continue;
-            }
-            room -= unpacked;
-        }
-        match parse_record(opcode, body) {
+    let options = LinearReaderOptions::default().with_emit_chunks(true);
+    let mut records = Records::new(bytes, bytes.len() as u64, options);
+    loop {
+        let at = records.at();
+        let Some(record) = records.next() else {
+            break;
+        };
+        let size = records.at() - at;
+        match record {
             // Only the index follows.
             Ok(Record::DataEnd(end)) => {
                 has_end = true;
                 copier.check_sum(&bytes[..at], end.data_section_crc);
                 break;
             }
-            Ok(Record::Chunk { .. }) => copier.take_chunk(&bytes[at..at + size], at)?,
+            Ok(Record::Chunk { header, .. }) => {
+                let unpacked = header.uncompressed_size;
+                if unpacked > room {
+                    let what = format!(
+                        "a chunk unpacks to {unpacked} bytes, more than is accepted for a file of this size"
+                    );
+                    copier.recovery.lose(size, at, &what);
+                } else {
+                    room -= unpacked;
+                    copier.take_chunk(&bytes[at..at + size], at)?;
+                }
+            }
             Ok(record) => copier.take(record, at)?,
+            // The file ends here, which is reported below.
+            Err(_) if size == 0 => {}
             Err(fault) => copier.recovery.lose(size, at, &fault),
         }
     }
@@ -180,23 +185,17 @@ impl<W: Write> RecordCopier<W> {
 
     /// Recovers the records of a chunk; none if its checksum is wrong.
     fn take_chunk(&mut self, chunk: &[u8], at: usize) -> McapResult<()> {
-        /// An error of the chunk or of the output.
-        enum Failure {
-            Chunk(McapError),
-            Output(McapError),
-        }
         let options = LinearReaderOptions::default()
             .with_skip_start_magic(true)
             .with_skip_end_magic(true);
-        let size = chunk.len() as u64;
-        let taken = for_each_record(chunk, size, options, Failure::Chunk, |record| {
-            self.take(record, at).map_err(Failure::Output)?;
-            Ok(ControlFlow::Continue(()))
-        });
-        match taken {
-            Ok(()) => {}
-            Err(Failure::Chunk(fault)) => self.recovery.lose(chunk.len(), at, &fault),
-            Err(Failure::Output(cause)) => return Err(cause),
+        for record in Records::new(chunk, chunk.len() as u64, options) {
+            match record {
+                Ok(record) => self.take(record, at)?,
+                Err(fault) => {
+                    self.recovery.lose(chunk.len(), at, &fault);
+                    break;
+                }
+            }
         }
         Ok(())
     }

@@ -5,7 +5,6 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use byteorder::LittleEndian;
-use mcap::MessageStream;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -17,6 +16,7 @@ use crate::disk;
 use crate::drive::{DriverStep, Fault, Readings};
 use crate::error::Error;
 use crate::record::error;
+use crate::record::read::records;
 use crate::world::Maze;
 
 /// The topics of the file.
@@ -155,8 +155,7 @@ impl DriveRecording {
         let damaged = error::damaged::<String>(path);
         let mut recording = Self::default();
         let mut clock_ns = None;
-        let messages = MessageStream::new(&bytes).map_err(|cause| damaged(cause.to_string()))?;
-        for message in messages {
+        for message in records::messages(&bytes) {
             let message = message.map_err(|cause| damaged(cause.to_string()))?;
             let channel = &message.channel;
             // The true pose is an odometry message, too, but no reading.

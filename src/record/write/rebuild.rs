@@ -2,7 +2,6 @@
 //! into fewer bytes when it is complete.
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 use std::path::Path;
 
 use mcap::McapError;
@@ -13,7 +12,7 @@ use super::log_file::OpenFile;
 use crate::disk;
 use crate::error::Error;
 use crate::record::error;
-use crate::record::read::records::for_each_record;
+use crate::record::read::records::Records;
 use crate::record::topics::Topic;
 
 /// When the copy closes a chunk.
@@ -42,8 +41,8 @@ pub fn copy(
     let mut topics: BTreeMap<u16, Topic> = BTreeMap::new();
     let (mut left, mut room) = (messages, disk::most_unpacked(size));
     let options = LinearReaderOptions::default();
-    for_each_record(input, size, options, fault, |record| {
-        match record {
+    for record in Records::new(input, size, options) {
+        match record.map_err(fault)? {
             Record::Channel(channel) => {
                 let topic = Topic::named(&channel.topic);
                 topics.extend(topic.map(|topic| (channel.id, topic)));
@@ -65,11 +64,10 @@ pub fn copy(
             }
             _ => {}
         }
-        Ok(match left {
-            0 => ControlFlow::Break(()),
-            _ => ControlFlow::Continue(()),
-        })
-    })?;
+        if left == 0 {
+            break;
+        }
+    }
     match left {
         0 => file.with(|log| log.flush()),
         _ => Err(fault(McapError::UnexpectedEof)),
