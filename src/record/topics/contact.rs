@@ -6,7 +6,7 @@ use crate::arena::Contact;
 /// Returns the message of a wall hit.
 pub(in crate::record) fn hit(episode: u32, step: u32, contact: &Contact) -> Fields {
     let (at, normal) = (contact.point_in_map, contact.normal_in_map);
-    fields! {
+    fields! { "contact.json":
         episode: episode,
         step: step,
         touching: true,
@@ -20,5 +20,5 @@ pub(in crate::record) fn hit(episode: u32, step: u32, contact: &Contact) -> Fiel
 
 /// Returns the message of the end of a wall contact.
 pub(in crate::record) fn clear(episode: u32, step: u32) -> Fields {
-    fields! { episode: episode, step: step, touching: false }
+    fields! { "contact.json": episode: episode, step: step, touching: false }
 }

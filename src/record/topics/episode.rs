@@ -21,7 +21,7 @@ pub(in crate::record) struct Outlook {
 /// Returns the message for the start of an episode, without the figures that are known at its end
 /// only.
 pub(in crate::record) fn running(episode: u32, optimal: bool) -> Fields {
-    fields! {
+    fields! { "episode.json":
         episode: episode,
         outcome: "running",
         state: 0,
@@ -41,7 +41,7 @@ pub(in crate::record) fn figures(
         Ending::StepLimit => 1,
         Ending::Goal => 3,
     };
-    fields! {
+    fields! { "episode.json":
         episode: episode.episode,
         outcome: episode.ending,
         state: result,
@@ -67,7 +67,7 @@ pub(in crate::record) fn figures(
 
 /// Returns the message that an episode is over.
 pub(in crate::record) fn ended(episode: &Episode) -> Fields {
-    fields! { episode: episode.episode, learning_rate: episode.learning_rate }
+    fields! { "ended.json": episode: episode.episode, learning_rate: episode.learning_rate }
 }
 
 /// Returns the mean over the micro-classifiers of \[P\]; `None` for an empty population or a table.

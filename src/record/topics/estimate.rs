@@ -35,7 +35,7 @@ pub(in crate::record) fn record(
     let (error_m, error_rad) = estimate.error(&truth.robot_in_map);
     let deviation = |at: usize| estimate.covariance[(at, at)].max(0.0).sqrt();
     let pose = estimate.robot_in_map;
-    Some(fields! {
+    Some(fields! { "estimate.json":
         episode: episode,
         step: step,
         x_m: pose.translation.x,

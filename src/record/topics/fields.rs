@@ -10,13 +10,19 @@ use super::decimal;
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::record) struct Fields(pub Vec<(&'static str, Value)>);
 
-/// Creates the fields of a message from names and values.
+/// Creates the fields of a message from the file of its schema, names and values. A name that the
+/// schema lacks is a compile error. `recording check` compares types and required fields.
 macro_rules! fields {
-    ($($name:ident: $value:expr),+ $(,)?) => {
-        $crate::record::topics::fields::Fields(vec![
-            $((stringify!($name), $crate::record::topics::fields::value(&$value))),+
-        ])
-    };
+    ($schema:literal: $($name:ident: $value:expr),+ $(,)?) => {{
+        const SCHEMA: &str = include_str!($schema);
+        $(const {
+            assert!(
+                $crate::record::topics::fields::declares(SCHEMA, concat!("\n  \"", stringify!($name), "\":")),
+                concat!($schema, " has no field ", stringify!($name)),
+            );
+        })+
+        $crate::record::topics::fields::Fields(vec![$((stringify!($name), $crate::record::topics::fields::value(&$value))),+])
+    }};
 }
 pub(super) use fields;
 
@@ -25,6 +31,23 @@ impl Serialize for Fields {
         let known = self.0.iter().filter(|(_, value)| !value.is_null());
         to.collect_map(known.map(|(name, value)| (name, value)))
     }
+}
+
+/// Returns true if a schema contains the beginning of the line that declares a field.
+pub(super) const fn declares(schema: &str, line: &str) -> bool {
+    let (schema, line) = (schema.as_bytes(), line.as_bytes());
+    let mut at = 0;
+    while at + line.len() <= schema.len() {
+        let mut same = 0;
+        while same < line.len() && schema[at + same] == line[same] {
+            same += 1;
+        }
+        if same == line.len() {
+            return true;
+        }
+        at += 1;
+    }
+    false
 }
 
 /// Returns the value of a field.
@@ -47,10 +70,23 @@ fn round(value: &mut Value) {
 
 #[cfg(test)]
 mod tests {
+    use super::declares;
+
     #[test]
     fn fields_keep_their_order_and_those_without_a_value_are_omitted() {
-        let message = fields! { b: 1, none: None::<f64>, a: [Some(0.123_46), None], t: true };
+        let unknown = None::<f64>;
+        let message = fields! { "contact.json":
+            touching: true, x_m: unknown, y_m: [Some(0.123_46), None], step: 1
+        };
         let text = serde_json::to_string(&message).unwrap();
-        assert_eq!(text, r#"{"b":1,"a":[0.123,null],"t":true}"#);
+        assert_eq!(text, r#"{"touching":true,"y_m":[0.123,null],"step":1}"#);
+    }
+
+    #[test]
+    fn a_schema_declares_its_fields_only() {
+        let schema = include_str!("contact.json");
+        assert!(declares(schema, "\n  \"x_m\":"));
+        assert!(!declares(schema, "\n  \"m\":"), "control");
+        assert!(!declares(schema, "\n  \"speed\":"), "control");
     }
 }

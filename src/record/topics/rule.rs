@@ -75,7 +75,7 @@ impl Reasons {
         };
         let numbered = HEADINGS.iter().find(|(_, name)| *name == action);
         let (because, choice) = (&self.because, &self.choice);
-        fields! {
+        fields! { "rule.json":
             episode: step.episode,
             step: step.step,
             rule: format!("{because} -> {choice}{}", support(step)),

@@ -13,7 +13,7 @@ pub(in crate::record) fn record(step: &Step<'_>) -> Fields {
         direction.map_or(other, |direction| direction.name())
     };
     let (result, outcome) = outcome(step.outcome);
-    fields! {
+    fields! { "step.json":
         episode: step.episode,
         step: step.step,
         col: step.cell.col,
