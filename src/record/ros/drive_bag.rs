@@ -254,6 +254,10 @@ mod tests {
         assert!(text.contains("does not begin like an MCAP file"), "{text}");
         let damaged = refused(mcap::MAGIC);
         assert!(damaged.contains("is damaged"), "control: {damaged}");
+        // An attachment that is shorter than its length fields say.
+        let attachment = [&[mcap::records::op::ATTACHMENT, 35][..], &[0; 7 + 35]].concat();
+        let damaged = refused(&[mcap::MAGIC, &attachment].concat());
+        assert!(damaged.contains("is damaged"), "{damaged}");
 
         let rows = br######"{ "rows": ["####", "#SG#", "####"] }"######;
         let maze = Maze::from_json(rows, "rows").unwrap();
