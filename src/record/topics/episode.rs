@@ -1,5 +1,6 @@
 //! `/episode`: at the start, that an episode runs; at the end, its figures. `/ended`: its number.
 
+use super::Topic;
 use super::fields::{Fields, fields};
 use crate::agent::Knowledge;
 use crate::episode::{Ending, Episode};
@@ -24,7 +25,7 @@ pub(in crate::record) fn running(episode: u32, optimal: bool) -> Fields {
     fields! { "episode.json":
         episode: episode,
         outcome: "running",
-        state: 0,
+        state: Topic::Episode.number("state", "running"),
         policy: policy_number(optimal),
         optimal: optimal,
     }
@@ -38,14 +39,14 @@ pub(in crate::record) fn figures(
 ) -> Fields {
     let rules = knowledge.rules();
     let result = match episode.ending {
-        Ending::StepLimit => 1,
-        Ending::Goal => 3,
+        Ending::StepLimit => "step limit",
+        Ending::Goal => "goal",
     };
     fields! { "episode.json":
         episode: episode.episode,
         outcome: episode.ending,
-        state: result,
-        result: result,
+        state: Topic::Episode.number("state", result),
+        result: Topic::Episode.number("result", result),
         policy: policy_number(outlook.optimal),
         steps: episode.steps,
         collisions: episode.collisions,
@@ -84,7 +85,8 @@ fn generality(rule: &Classifier) -> f64 {
     1.0 - demands as f64 / width.max(1) as f64
 }
 
-/// Returns the number of whether the greedy policy is optimal, as in `episode.json`.
-fn policy_number(optimal: bool) -> u8 {
-    if optimal { 3 } else { 1 }
+/// Returns the number that says whether the greedy policy is optimal.
+fn policy_number(optimal: bool) -> Option<u64> {
+    let name = if optimal { "optimal" } else { "not optimal" };
+    Topic::Episode.number("policy", name)
 }

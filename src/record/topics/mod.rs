@@ -35,6 +35,7 @@ use std::sync::LazyLock;
 
 use foxglove::messages::{FrameTransforms, LaserScan, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
+use serde_json::Value;
 use strum::VariantArray;
 
 use super::info::RecordingKind;
@@ -231,15 +232,26 @@ impl Topic {
         descriptor::short(&well_known.expect("well-known messages have a schema"))
     }
 
-    /// Returns the first fault of a message against the topic's schema.
-    pub(super) fn fault(self, data: &[u8]) -> Option<String> {
-        static TREES: LazyLock<Vec<serde_json::Value>> = LazyLock::new(|| {
+    /// Returns the tree of the topic's schema; null for schemas other than JSON.
+    fn tree(self) -> &'static Value {
+        static TREES: LazyLock<Vec<Value>> = LazyLock::new(|| {
             let all = Topic::ALL.iter();
             all.map(|topic| schema::tree(topic.schema(RecordingKind::Run)))
                 .collect()
         });
+        &TREES[self as usize]
+    }
+
+    /// Returns the number that stands for a name in a field, according to the topic's schema.
+    fn number(self, field: &str, name: &str) -> Option<u64> {
+        let numbers = self.tree()["properties"][field]["oneOf"].as_array()?;
+        numbers.iter().find(|one| one["title"] == name)?["const"].as_u64()
+    }
+
+    /// Returns the first fault of a message against the topic's schema.
+    pub(super) fn fault(self, data: &[u8]) -> Option<String> {
         if let Message::Own(..) = self.message() {
-            return schema::fault(&TREES[self as usize], data);
+            return schema::fault(self.tree(), data);
         }
         match WellKnown::decode(self, data) {
             Err(fault) => Some(format!("does not match its schema: {fault}")),

@@ -4,7 +4,7 @@ use foxglove::messages::SceneUpdate;
 
 use super::fields::{Fields, fields};
 use super::scene::{ROBOT, entity, label, place, update};
-use super::to_parts;
+use super::{Topic, to_parts};
 use crate::agent::Chooser;
 use crate::episode::Step;
 use crate::sensor::Sensor;
@@ -28,18 +28,6 @@ const NEXT: f64 = 2.5;
 const SEEN_UPRIGHT: f64 = 0.9;
 /// The name of the action where the agent sets the speeds of the wheels.
 pub(super) const WHEELS: &str = "wheels";
-/// The numbers of the directions, as in `rule.json`.
-const HEADINGS: [(u8, &str); 8] = [
-    (0, "north"),
-    (1, "east"),
-    (3, "south"),
-    (5, "west"),
-    (2, "north-east"),
-    (4, "south-east"),
-    (6, "south-west"),
-    (7, "north-west"),
-];
-
 /// Why an action was selected, as text.
 #[derive(Debug)]
 pub(in crate::record) struct Reasons {
@@ -73,7 +61,7 @@ impl Reasons {
             Some(_) => WHEELS.to_owned(),
             None => maze.action_name(step.action),
         };
-        let numbered = HEADINGS.iter().find(|(_, name)| *name == action);
+        let heading = Topic::Rule.number("heading", &action);
         let (because, choice) = (&self.because, &self.choice);
         fields! { "rule.json":
             episode: step.episode,
@@ -83,7 +71,7 @@ impl Reasons {
             chosen_by: step.chooser.name(),
             explored: step.explored,
             action: action,
-            heading: numbered.map(|(number, _)| number),
+            heading: heading,
             seen: sensor.words(maze, &|at| Some(step.percept.bit(at))),
             percept: step.percept,
             left: left_percent(step),

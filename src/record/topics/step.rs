@@ -1,5 +1,6 @@
 //! `/step`: a step, at the time when its outcome is known.
 
+use super::Topic;
 use super::fields::{Fields, fields};
 use super::rule::WHEELS;
 use crate::arena::Outcome;
@@ -12,7 +13,7 @@ pub(in crate::record) fn record(step: &Step<'_>) -> Fields {
         let other = step.view.wheels_mps.map_or("unknown", |_| WHEELS);
         direction.map_or(other, |direction| direction.name())
     };
-    let (result, outcome) = outcome(step.outcome);
+    let outcome = outcome(step.outcome);
     fields! { "step.json":
         episode: step.episode,
         step: step.step,
@@ -25,7 +26,7 @@ pub(in crate::record) fn record(step: &Step<'_>) -> Fields {
         chosen_by: step.chooser.name(),
         rule: step.fired().map_or_else(String::new, String::from),
         outcome: outcome,
-        result: result,
+        result: Topic::Step.number("result", outcome),
         left: left(step),
         reward: step.credit.short_term_reward,
         values: step.values.as_slice(),
@@ -35,14 +36,14 @@ pub(in crate::record) fn record(step: &Step<'_>) -> Fields {
     }
 }
 
-/// Returns the number and the name of an outcome, as in `step.json`.
-fn outcome(outcome: Outcome) -> (u8, &'static str) {
+/// Returns the name of an outcome.
+fn outcome(outcome: Outcome) -> &'static str {
     match outcome {
-        Outcome::Moved => (0, "moved"),
-        Outcome::Collided { .. } => (1, "collided"),
-        Outcome::Stalled => (2, "stalled"),
-        Outcome::ReachedGoal => (3, "reached-goal"),
-        Outcome::FoundReward { .. } => (4, "found-reward"),
+        Outcome::Moved => "moved",
+        Outcome::Collided { .. } => "collided",
+        Outcome::Stalled => "stalled",
+        Outcome::ReachedGoal => "reached-goal",
+        Outcome::FoundReward { .. } => "found-reward",
     }
 }
 
