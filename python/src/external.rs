@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use xcs::{Action, Percept, PredictionArray};
-use xcscr::agent::{Agent, Choice, Chooser, EndCredit, Explorer, Knowledge, StepCredit};
+use xcscr::agent::{Agent, Choice, DecisionSource, EndCredit, Explorer, Knowledge, StepCredit};
 use xcscr::arena::Outcome;
 use xcscr::trial::{Plan, Settings};
 
@@ -81,7 +81,7 @@ impl External {
             Ok((agent.unbind(), chooses))
         });
         let (agent, chooses) = fault.or_end(built);
-        let percepts = (!maze.is_vast()).then(|| config.sensor.percepts(maze));
+        let percepts = (!maze.is_too_large()).then(|| config.sensor.percepts(maze));
         Self {
             agent,
             fault,
@@ -156,11 +156,11 @@ impl Agent for External {
         match self.percept.filter(|_| self.chooses) {
             Some(percept) => {
                 let action = self.ask(|agent| self.ask_action(agent, &percept));
-                Choice::new(action, Chooser::Table)
+                Choice::new(action, DecisionSource::Table)
             }
             None => {
                 let (action, explores) = explorer.choose(values);
-                Choice::by(Chooser::Table, action, explores)
+                Choice::by(DecisionSource::Table, action, explores)
             }
         }
     }

@@ -114,7 +114,7 @@ impl TrainReport {
     ) -> Result<(), Failure> {
         // The picture comes first, so that the rest stays visible on a terminal of 24 lines.
         let maze = &trial.plan().maze;
-        match maze.is_vast() {
+        match maze.is_too_large() {
             true => writeln!(out, "The maze is too large to be drawn.\n")?,
             false => {
                 out.flush()?;
@@ -240,9 +240,9 @@ impl TrainReport {
 /// Returns the first two cells with the same percept.
 fn aliased_cells(trial: &Trial) -> Option<(String, String)> {
     let Plan { maze, config } = trial.plan();
-    let groups = match maze.is_vast() || trial.method().remembers() {
+    let groups = match maze.is_too_large() || trial.method().remembers() {
         true => Vec::new(),
-        false => config.sensor.alike(maze),
+        false => config.sensor.aliased_cells(maze),
     };
     let named = |cell: &Cell| format!("{},{}", cell.col, cell.row);
     let cells = &groups.first()?.cells;

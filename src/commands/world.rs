@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use serde::Serialize;
 use xcscr::ErrorKind;
-use xcscr::sensor::{Alike, Sensor};
+use xcscr::sensor::{AliasedCells, Sensor};
 use xcscr::trial::{Bounds, Estimate};
 use xcscr::world::{Cell, Facts, Maze, MazeKind, Origin, Recipe};
 
@@ -175,14 +175,14 @@ struct Description {
 #[derive(Debug, Serialize)]
 struct LookAlike {
     sensor: Sensor,
-    groups: Vec<Alike>,
+    groups: Vec<AliasedCells>,
 }
 
 impl Description {
     fn new(maze: &Maze) -> Self {
         Self {
             facts: Facts::new(maze),
-            look_alike: (!maze.is_vast()).then(|| LookAlike::of(maze)),
+            look_alike: (!maze.is_too_large()).then(|| LookAlike::of(maze)),
             bounds: None,
         }
     }
@@ -280,7 +280,7 @@ impl LookAlike {
     fn of(maze: &Maze) -> Vec<Self> {
         let one = |&sensor: &Sensor| Self {
             sensor,
-            groups: sensor.alike(maze),
+            groups: sensor.aliased_cells(maze),
         };
         Sensor::ALL.iter().map(one).collect()
     }

@@ -54,7 +54,7 @@ impl Source {
 
 /// Rejects very large worlds, because highlights draw every cell.
 fn require_few_cells(plan: &Plan) -> Result<(), Error> {
-    match plan.maze.is_vast() {
+    match plan.maze.is_too_large() {
         true => {
             let message = format!(
                 "{} has too many cells for a highlights recording, which draws each of them; watch single \

@@ -150,7 +150,7 @@ impl Session {
         let knowledge = self.trial.method().knowledge();
         self.folder.save_knowledge(&knowledge)?;
         let shows_all = matches!(mode, RecordMode::All | RecordMode::Beams);
-        if shows_all && !self.trial.plan().maze.is_vast() {
+        if shows_all && !self.trial.plan().maze.is_too_large() {
             let (path, bytes) = save_highlights(&self.folder, &self.trial, &knowledge)?;
             recording.files.push(path);
             recording.bytes += bytes;

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use xcs::random::Stream;
 use xcs::{Action, Condition, Percept, Population};
-use xcscr::agent::{Agent, Chooser, Estimator, Explorer, Frozen, Knowledge, Method};
+use xcscr::agent::{Agent, DecisionSource, Estimator, Explorer, Frozen, Knowledge, Method};
 use xcscr::episode::{Episode, Learned as Episodes, Observer, Step};
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
@@ -24,7 +24,7 @@ impl Observer for Decisions {
     fn stepped(&mut self, step: &Step<'_>) {
         match step.fired() {
             Some(fired) => self.made.push((step.percept, step.action, fired)),
-            None => self.unexplained += usize::from(step.chooser == Chooser::Rules),
+            None => self.unexplained += usize::from(step.source == DecisionSource::Rules),
         }
     }
 
@@ -60,14 +60,14 @@ fn what_no_rule_covers_is_left_to_chance_and_each_step_of_rules_names_one_that_m
     let (trial, decisions) = watched("maze5", 1);
     let plan = trial.plan();
     let percept = plan.config.sensor.percepts(&plan.maze)[0];
-    let chooser = |rules: Population| {
+    let source = |rules: Population| {
         let mut frozen = Frozen::new(Knowledge::Rules(rules), 4, 1);
         let values = frozen.observe(&percept);
         let mut greedy = Explorer::new(0.0, Stream::new(1, StreamName::Exploration));
-        frozen.choose(&values, &mut greedy).chooser
+        frozen.choose(&values, &mut greedy).source
     };
-    assert_eq!(chooser(rules(&trial)), Chooser::Rules, "control");
-    assert_eq!(chooser(Population::default()), Chooser::Chance);
+    assert_eq!(source(rules(&trial)), DecisionSource::Rules, "control");
+    assert_eq!(source(Population::default()), DecisionSource::Chance);
     let made = decisions.made.len();
     assert!(decisions.unexplained == 0 && made > 300, "{made} decisions");
     assert_eq!(trial.progress().chosen.rules, made as u64);

@@ -312,11 +312,11 @@ fn two_runs_are_compared_side_by_side_in_one_recording_in_which_nothing_interlea
 /// The drive of what was learned is that of an agent which only uses it, whoever learned it.
 #[test]
 fn a_table_is_said_to_have_chosen_what_it_chose_and_rules_what_they_did() {
-    for (method, chooser) in [("q-learning", "table"), ("xcs", "rules")] {
+    for (method, source) in [("q-learning", "table"), ("xcs", "rules")] {
         let run = format!("maze4 --method {method} --episodes 3 --arena grid");
         let told = said(&highlights(&Desk::new(), &run), "/rule");
         let (_, last) = told.last().unwrap();
-        assert_eq!(last["chosen_by"], chooser, "{last}");
+        assert_eq!(last["chosen_by"], source, "{last}");
     }
 }
 

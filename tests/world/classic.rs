@@ -58,7 +58,7 @@ fn maze(name: &str) -> Maze {
 /// The last group of which a maze has a pair of cells.
 fn group(maze: &Maze) -> Group {
     let paths = Paths::new(maze);
-    let groups = Sensor::Neighbours.alike(maze);
+    let groups = Sensor::Neighbours.aliased_cells(maze);
     let pairs = groups.iter().flat_map(|group| {
         let ordered = group
             .cells

@@ -28,7 +28,7 @@ fn the_shipped_mazes_have_the_shortest_paths_of_the_papers() {
         let maze = maze(name);
         assert_eq!(maze.start_cells().len(), cells, "{name}");
         assert_eq!(Facts::new(&maze).mean_optimal_steps, mean, "{name}");
-        assert_eq!(Sensor::Neighbours.alike(&maze), [], "{name}");
+        assert_eq!(Sensor::Neighbours.aliased_cells(&maze), [], "{name}");
     }
     let woods1 = maze("woods1");
     assert_eq!(
@@ -39,7 +39,7 @@ fn the_shipped_mazes_have_the_shortest_paths_of_the_papers() {
 
 #[test]
 fn two_cells_of_maze4_look_alike_because_of_the_goal_in_the_corner() {
-    let groups = Sensor::Neighbours.alike(&maze("maze4"));
+    let groups = Sensor::Neighbours.aliased_cells(&maze("maze4"));
     let cells: Vec<_> = groups.iter().map(|group| group.cells.clone()).collect();
     let pair = vec![Cell { col: 5, row: 2 }, Cell { col: 4, row: 5 }];
     assert_eq!(cells, [pair], "{groups:?}");

@@ -34,11 +34,11 @@ pub enum StreamName {
     /// The policy that the policy selector of `xcscr-coevolved` chooses.
     Experts,
     /// The rules of the policy selector of `xcscr-coevolved`.
-    Keeper,
+    PolicySelector,
     /// The rules of the behaviour cloner of `xcscr-coevolved`.
     BehaviourCloner,
     /// The bits of a percept that observation noise inverts.
-    Flips,
+    ObservationNoise,
 }
 
 impl From<StreamName> for u64 {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::prediction::PredictionArray;
 use super::signal::{Action, ByAction, MAX_ACTIONS, Percept};
 
-/// The teacher's label for one percept.
+/// The label of one percept.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LabelledExample {
     /// The percept.
@@ -31,7 +31,7 @@ impl LabelledExample {
     }
 }
 
-/// All examples, by the number that the teacher assigns to a percept. Also stored in columns, so
+/// All examples, by the number assigned to a percept. Also stored in columns, so
 /// that what sets of examples have in common is counted 64 examples at a time.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(

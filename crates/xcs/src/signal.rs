@@ -50,9 +50,9 @@ impl Percept {
     /// first.
     pub fn from_word(word: u64, width: usize) -> Self {
         let width = width.min(64);
-        let kept = u64::MAX.checked_shr(64 - width as u32).unwrap_or(0);
+        let mask = u64::MAX.checked_shr(64 - width as u32).unwrap_or(0);
         Self {
-            words: std::array::from_fn(|at| if at == 0 { word & kept } else { 0 }),
+            words: std::array::from_fn(|at| if at == 0 { word & mask } else { 0 }),
             width: width as u16,
         }
     }
@@ -90,7 +90,7 @@ impl Percept {
 
     /// Returns the percept with its first `ring` bits rotated by `by` positions: bit `by` becomes
     /// the first.
-    pub fn turned(&self, by: usize, ring: usize) -> Self {
+    pub fn rotated(&self, by: usize, ring: usize) -> Self {
         let source = |at| if at < ring { (at + by) % ring } else { at };
         let bits = (0..self.width()).map(|at| self.bit(source(at)));
         Self::from_bits(bits).expect("as many bits as before")
@@ -248,10 +248,10 @@ mod tests {
             let [a, b] = [&text[..first], &text[text.len() - second..]];
             let [one, two]: [Percept; 2] = [a, b].map(|bits| bits.parse().unwrap());
             let both = format!("{a}{b}");
-            let kept = &both[..both.len().min(MAX_PERCEPT_BITS)];
+            let expected = &both[..both.len().min(MAX_PERCEPT_BITS)];
             assert_eq!(
                 one.followed_by(&two),
-                kept.parse().unwrap(),
+                expected.parse().unwrap(),
                 "{first}, {second}"
             );
         }
@@ -260,8 +260,8 @@ mod tests {
     #[test]
     fn turning_moves_the_bits_of_the_ring_and_no_others() {
         let percept: Percept = "001011".parse().unwrap();
-        assert_eq!(percept.turned(2, 4).to_string(), "100011");
-        assert_eq!(percept.turned(3, 0), percept);
+        assert_eq!(percept.rotated(2, 4).to_string(), "100011");
+        assert_eq!(percept.rotated(3, 0), percept);
     }
 
     #[test]

@@ -32,7 +32,7 @@ pub fn write_missing(
     {
         let folder = RunFolder::open(path);
         let has_highlights = path.join(RecordingKind::Highlights.file_name()).is_file();
-        if has_highlights || folder.is_interrupted() || folder.plan()?.maze.is_vast() {
+        if has_highlights || folder.is_interrupted() || folder.plan()?.maze.is_too_large() {
             continue;
         }
         let place = tempfile::tempdir().map_err(unwritten)?;

@@ -63,8 +63,8 @@ pub fn rows(
     let Plan { maze, config } = plan;
     // For rules with a map: the contexts at the beginning of an episode.
     let percepts: Vec<Percept> = config.sensor.percepts(maze);
-    let percepts: Vec<Percept> = percepts.iter().map(|p| knowledge.looked_at(p)).collect();
-    let here = here.map(|percept| knowledge.looked_at(percept));
+    let percepts: Vec<Percept> = percepts.iter().map(|p| knowledge.rule_input(p)).collect();
+    let here = here.map(|percept| knowledge.rule_input(percept));
     let here = here.as_ref();
     let matches = |rule: &&Classifier| here.is_none_or(|percept| rule.condition.matches(percept));
     let row = |rule: &Classifier| Row {

@@ -21,7 +21,7 @@ pub fn print(shown: &Shown<'_>, is_run: bool, out: &mut Results) -> Result<(), F
     if let Some(percept) = &shown.here {
         blocks.push(Block::Text(format!("Only where the percept is {percept}.")));
     }
-    if shown.plan.maze.is_vast() {
+    if shown.plan.maze.is_too_large() {
         blocks.push(Block::Text(TOO_LARGE.to_owned()));
     } else if is_run {
         blocks.push(Block::Picture(policy(shown.plan)?));

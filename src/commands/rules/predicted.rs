@@ -1,6 +1,6 @@
 //! The transition generalisation of a learner, in words.
 
-use xcscr::agent::{CollisionRule, Knowledge, ReturnRule};
+use xcscr::agent::{CollisionRule, InverseActionRule, Knowledge};
 use xcscr::trial::Plan;
 
 /// Returns a line for each rule of the transition generalisation; none without it.
@@ -26,8 +26,8 @@ pub fn lines(knowledge: &Knowledge, plan: &Plan) -> Vec<String> {
     lines
 }
 
-fn inverse_action(rule: &ReturnRule, plan: &Plan) -> String {
-    let ReturnRule { turn, hits, misses } = rule;
+fn inverse_action(rule: &InverseActionRule, plan: &Plan) -> String {
+    let InverseActionRule { turn, hits, misses } = rule;
     let (turn, all) = (turn.index(), hits + misses);
     let undoing = match 360 * turn / plan.maze.action_count() {
         180 => "the opposite action".to_owned(),

@@ -35,7 +35,7 @@ pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
     ground.cubes.extend(slippery(maze));
     ground.lines = vec![floor_lines(maze)];
     let mut walls = entity("walls", WORLD, time_ns);
-    if !maze.is_vast() {
+    if !maze.is_too_large() {
         walls.cubes = (0..maze.height())
             .flat_map(|row| blocks(maze, row))
             .collect();
@@ -59,7 +59,7 @@ fn floor(maze: &Maze) -> CubePrimitive {
 
 /// Returns the cells with unusual friction.
 fn slippery(maze: &Maze) -> impl Iterator<Item = CubePrimitive> + '_ {
-    let shown = (maze.has_floor() && !maze.is_vast()).then(|| maze.free_cells());
+    let shown = (maze.has_floor() && !maze.is_too_large()).then(|| maze.free_cells());
     let unusual = shown.into_iter().flatten();
     let unusual = unusual.filter(|&cell| maze.friction(cell).is_some());
     unusual.map(|cell| {

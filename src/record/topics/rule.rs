@@ -5,7 +5,7 @@ use foxglove::messages::SceneUpdate;
 use super::fields::{Fields, fields};
 use super::scene::{ROBOT, entity, label, place, update};
 use super::{Topic, to_parts};
-use crate::agent::Chooser;
+use crate::agent::DecisionSource;
 use crate::episode::Step;
 use crate::sensor::Sensor;
 use crate::trial::words_of_memory;
@@ -68,7 +68,7 @@ impl Reasons {
             step: step.step,
             rule: format!("{because} -> {choice}{}", support(step)),
             runner_up: runner_up(step).map_or_else(String::new, |other| value(step, other)),
-            chosen_by: step.chooser.name(),
+            chosen_by: step.source.name(),
             explored: step.explored,
             action: action,
             heading: heading,
@@ -136,17 +136,17 @@ fn abbreviated(because: &str) -> Vec<String> {
 fn because(step: &Step<'_>, sensor: Sensor) -> String {
     let condition = step.fired();
     condition.map_or_else(
-        || source_name(step.chooser).to_owned(),
+        || source_name(step.source).to_owned(),
         |condition| demands(step, &condition, sensor),
     )
 }
 
-fn source_name(chooser: Chooser) -> &'static str {
-    match chooser {
-        Chooser::Rules => "rules",
-        Chooser::Table => "table",
-        Chooser::Planner => "explores by plan",
-        Chooser::Chance => "explores by chance",
+fn source_name(source: DecisionSource) -> &'static str {
+    match source {
+        DecisionSource::Rules => "rules",
+        DecisionSource::Table => "table",
+        DecisionSource::Planner => "explores by plan",
+        DecisionSource::Chance => "explores by chance",
     }
 }
 

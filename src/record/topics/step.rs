@@ -23,7 +23,7 @@ pub(in crate::record) fn record(step: &Step<'_>) -> Fields {
         action: name(step.action),
         executed: step.view.executed.map(name),
         explored: step.explored,
-        chosen_by: step.chooser.name(),
+        chosen_by: step.source.name(),
         rule: step.fired().map_or_else(String::new, String::from),
         outcome: outcome,
         result: Topic::Step.number("result", outcome),

@@ -41,7 +41,7 @@ type Tint = (bool, u8);
 
 /// Returns the cells with known values and their colours; empty for a very large maze.
 fn tints(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<(Cell, Tint)> {
-    let policy = policy.filter(|_| !maze.is_vast());
+    let policy = policy.filter(|_| !maze.is_too_large());
     let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
     let known = ranked.filter_map(|((cell, values), rank)| {
         let is_bad = values.greatest()? < 0.0;
@@ -61,7 +61,9 @@ pub(in crate::record) struct Floor {
 impl Floor {
     /// Returns the floor of a learned policy.
     pub fn of(policy: Option<&PolicyMap>, maze: &Maze) -> Self {
-        let start = maze.start().filter(|_| is_large(maze) && !maze.is_vast());
+        let start = maze
+            .start()
+            .filter(|_| is_large(maze) && !maze.is_too_large());
         let path = policy
             .zip(start)
             .map(|(policy, start)| policy.greedy_path(maze, start));

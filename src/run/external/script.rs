@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{ExternalActions, ExternalEpisode, WheelSpeeds};
-use crate::agent::{Agent, Choice, Chooser, EndCredit, Explorer, Knowledge, StepCredit};
+use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Explorer, Knowledge, StepCredit};
 use crate::arena::{Arena, Lasting, Outcome, View, WheelDrive};
 use crate::world::Cell;
 use xcs::{Action, Percept, PredictionArray};
@@ -39,7 +39,7 @@ impl Agent for Script<'_> {
             ExternalActions::Wheels(_) => self.moves,
         };
         let action = Action::new(number).expect("actions are checked");
-        Choice::new(action, Chooser::Table)
+        Choice::new(action, DecisionSource::Table)
     }
 
     fn update(&mut self, _: Action, _: Outcome) -> StepCredit {

@@ -24,7 +24,7 @@ use xcs::bounds::{OutOfRange, within};
 )]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
-pub enum Chooser {
+pub enum DecisionSource {
     /// The rules of \[P\], by their prediction array.
     Rules,
     /// The table of a tabular method (learned or planned), or a plan on maps.
@@ -35,7 +35,7 @@ pub enum Chooser {
     Chance,
 }
 
-impl Chooser {
+impl DecisionSource {
     /// Returns the name used in files.
     pub fn name(self) -> &'static str {
         self.into()
@@ -48,24 +48,31 @@ pub struct Choice {
     /// The action.
     pub action: Action,
     /// The decision source.
-    pub chooser: Chooser,
+    pub source: DecisionSource,
 }
 
 impl Choice {
     /// Creates a choice.
-    pub fn new(action: Action, chooser: Chooser) -> Self {
-        Self { action, chooser }
+    pub fn new(action: Action, source: DecisionSource) -> Self {
+        Self { action, source }
     }
 
-    /// Creates a choice by `chooser`, or by chance if the step explores or no action has a value.
-    pub fn by(chooser: Chooser, action: Action, by_chance: bool) -> Self {
-        let chooser = if by_chance { Chooser::Chance } else { chooser };
-        Self { action, chooser }
+    /// Creates a choice by `source`, or by chance if the step explores or no action has a value.
+    pub fn by(source: DecisionSource, action: Action, by_chance: bool) -> Self {
+        let source = if by_chance {
+            DecisionSource::Chance
+        } else {
+            source
+        };
+        Self { action, source }
     }
 
     /// Returns true if the action was chosen to explore.
     pub fn explores(self) -> bool {
-        matches!(self.chooser, Chooser::Planner | Chooser::Chance)
+        matches!(
+            self.source,
+            DecisionSource::Planner | DecisionSource::Chance
+        )
     }
 }
 
@@ -84,12 +91,12 @@ pub struct Chosen {
 
 impl Chosen {
     /// Counts one more step.
-    pub fn count(&mut self, chooser: Chooser) {
-        *match chooser {
-            Chooser::Rules => &mut self.rules,
-            Chooser::Table => &mut self.table,
-            Chooser::Planner => &mut self.planner,
-            Chooser::Chance => &mut self.chance,
+    pub fn count(&mut self, source: DecisionSource) {
+        *match source {
+            DecisionSource::Rules => &mut self.rules,
+            DecisionSource::Table => &mut self.table,
+            DecisionSource::Planner => &mut self.planner,
+            DecisionSource::Chance => &mut self.chance,
         } += 1;
     }
 
@@ -117,9 +124,9 @@ impl fmt::Display for Chosen {
     /// Writes the sources with at least one step, each with its number of steps.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let counts = [self.rules, self.table, self.planner, self.chance];
-        let some = Chooser::VARIANTS.iter().zip(counts);
+        let some = DecisionSource::VARIANTS.iter().zip(counts);
         let some = some.filter(|&(_, count)| count > 0);
-        let words = some.map(|(chooser, count)| format!("{} {count}", chooser.name()));
+        let words = some.map(|(source, count)| format!("{} {count}", source.name()));
         f.write_str(&words.collect::<Vec<_>>().join(", "))
     }
 }

@@ -4,7 +4,7 @@
 //! What only holds in mazes is left out: collisions, inverse actions, rotational symmetry and slips. Two
 //! differences follow:
 //! * Exploration is R-max (Brafman and Tennenholtz 2002). A second plan gives every unknown pair the greatest
-//!   return seen so far, at least 0. It chooses as long as it promises more than the plan on known pairs.
+//!   return seen so far, at least 0. It chooses as long as it has a greater value than the plan on known pairs.
 //! * Once the results of a pair vary, a pair is known after several tries instead of one.
 //!
 //! Values have a floor, the value of an endless walk. Its reward per step is estimated: in every percept
@@ -103,11 +103,11 @@ type State = (
 pub struct EnvironmentLearner {
     actions: usize,
     params: EnvironmentParams,
-    memory: Transitions,
+    model: Transitions,
     /// Values over known pairs, which the rules are distilled from.
     known: PlannedValues,
     /// Upper bounds of the values, which exploration follows.
-    promised: PlannedValues,
+    optimistic: PlannedValues,
     rules: RulePolicy,
     progress: Progress,
 }
@@ -135,9 +135,9 @@ impl EnvironmentLearner {
         let mut learner = Self {
             actions,
             params,
-            memory: Transitions::default(),
+            model: Transitions::default(),
             known: plan.clone(),
-            promised: plan,
+            optimistic: plan,
             rules: RulePolicy::new(rules),
             progress: Progress {
                 stream: Stream::new(seed, StreamName::Exploration),
@@ -152,15 +152,15 @@ impl EnvironmentLearner {
         Ok(learner)
     }
 
-    /// Chooses an action, which waits for [`update`](Self::update): with `explores`, an action that promises
-    /// more than all known ones, if there is one. Otherwise the rules choose.
+    /// Chooses an action, which waits for [`update`](Self::update): with `explores`, an action with a greater optimistic
+    /// value than all known ones, if there is one. Otherwise the rules choose.
     pub fn act(&mut self, percept: &Percept, explores: bool) -> Action {
-        let promise = if explores {
-            self.promise(percept)
+        let optimistic = if explores {
+            self.optimistic_values(percept)
         } else {
             None
         };
-        let values = match promise {
+        let values = match optimistic {
             Some(values) => values,
             None => {
                 // Estimates change in every step, so that they are distilled once in an episode.
@@ -200,17 +200,17 @@ impl EnvironmentLearner {
             reward,
             next: next.copied(),
         };
-        let required = self.memory.required_tries();
-        let changed = self.memory.learn(&step, required);
-        let tries = self.memory.outcomes(number, action).tries();
+        let required = self.model.required_tries();
+        let changed = self.model.learn(&step, required);
+        let tries = self.model.outcomes(number, action).tries();
         let revises = self.revises_estimates(number, action);
-        for plan in [&mut self.known, &mut self.promised] {
-            plan.link(&self.memory, (number, action), next_number);
+        for plan in [&mut self.known, &mut self.optimistic] {
+            plan.link(&self.model, (number, action), next_number);
             // Plans follow the counts of varying results at each doubling.
             if changed && (tries <= required || tries.is_power_of_two()) {
-                plan.learn(&self.memory, (number, action), next_number);
+                plan.learn(&self.model, (number, action), next_number);
             } else {
-                plan.settle(&self.memory);
+                plan.settle(&self.model);
             }
             plan.tidy();
         }
@@ -234,7 +234,7 @@ impl EnvironmentLearner {
         if best != self.progress.best_seen {
             self.progress.best_seen = best;
             self.assume();
-            self.promised.restart(&self.memory);
+            self.optimistic.restart(&self.model);
         }
         self.distil();
     }
@@ -251,14 +251,14 @@ impl EnvironmentLearner {
 
     /// Returns the percepts met so far.
     pub fn percepts(&self) -> &[Percept] {
-        self.memory.percepts()
+        self.model.percepts()
     }
 
     /// Returns the learned state, from which a learner with the same arguments continues exactly.
     pub fn checkpoint(&self) -> Vec<u8> {
         saved::bytes_of(&(
-            &self.memory,
-            [&self.known, &self.promised],
+            &self.model,
+            [&self.known, &self.optimistic],
             self.rules.state(),
             &self.progress,
         ))
@@ -269,14 +269,14 @@ impl EnvironmentLearner {
     /// # Errors
     /// The state is damaged, or is from a learner with other arguments. Then nothing changes.
     pub fn restore(&mut self, saved: &[u8]) -> Result<(), RestoreError> {
-        let (memory, [known, promised], rules, progress): State = saved::read(saved)?;
+        let (model, [known, optimistic], rules, progress): State = saved::read(saved)?;
         let mut other = self.clone();
-        (other.memory, other.progress) = (memory, progress);
+        (other.model, other.progress) = (model, progress);
         other.require();
         other.assume();
-        other.known = known.resumed(&other.known, &other.memory);
-        other.promised = promised.resumed(&other.promised, &other.memory);
-        let fits = other.is_sound() && other.rules.resume(rules, other.memory.percepts());
+        other.known = known.resumed(&other.known, &other.model);
+        other.optimistic = optimistic.resumed(&other.optimistic, &other.model);
+        let fits = other.is_valid() && other.rules.resume(rules, other.model.percepts());
         if !fits {
             return Err(RestoreError::Foreign);
         }
@@ -285,41 +285,41 @@ impl EnvironmentLearner {
     }
 
     /// Returns true if model and progress can come from a learner.
-    fn is_sound(&self) -> bool {
+    fn is_valid(&self) -> bool {
         let is_reward = |value: &f64| value.abs() <= GREATEST_REWARD;
-        let (progress, memory) = (&self.progress, &self.memory);
-        let mut plans = [&self.known, &self.promised].into_iter();
-        memory.is_sound()
-            && plans.all(|plan| plan.is_sound(memory))
+        let (progress, model) = (&self.progress, &self.model);
+        let mut plans = [&self.known, &self.optimistic].into_iter();
+        model.is_valid()
+            && plans.all(|plan| plan.is_valid(model))
             && progress.rewards.iter().all(is_reward)
             && progress.best_seen.is_none_or(f64::is_finite)
             && is_reward(&progress.step)
             && progress.step <= 0.0
             && progress.waiting.is_none_or(|(percept, action)| {
-                memory.number_of(&percept).is_some() && action.index() < self.actions
+                model.number_of(&percept).is_some() && action.index() < self.actions
             })
     }
 
     /// Returns the number of a percept, and adds it if it is new.
     fn meet(&mut self, percept: &Percept) -> usize {
-        let number = self.memory.meet(percept);
-        self.known.meet(&self.memory);
-        self.promised.meet(&self.memory);
+        let number = self.model.meet(percept);
+        self.known.meet(&self.model);
+        self.optimistic.meet(&self.model);
         number
     }
 
-    /// Returns the optimistic values of the actions, if they promise more than the known values.
-    fn promise(&mut self, percept: &Percept) -> Option<PredictionArray> {
+    /// Returns the optimistic values of the actions, if they exceed the known values.
+    fn optimistic_values(&mut self, percept: &Percept) -> Option<PredictionArray> {
         let number = self.meet(percept);
         let margin = match self.progress.varies {
             true => MARGIN_IF_VARYING,
             false => MARGIN,
         };
         let known = self.known.value(number) + margin * self.unknown();
-        (self.promised.value(number) > known).then(|| {
+        (self.optimistic.value(number) > known).then(|| {
             let mut values = PredictionArray::new(self.actions);
-            let promised = self.promised.action_values(&self.memory, number);
-            promised.for_each(|(action, value)| values.set(action, value));
+            let optimistic = self.optimistic.action_values(&self.model, number);
+            optimistic.for_each(|(action, value)| values.set(action, value));
             values
         })
     }
@@ -335,7 +335,7 @@ impl EnvironmentLearner {
 
     /// Updates the estimates after a transition. Returns true if one changed, so that all values do.
     fn revises_estimates(&mut self, number: usize, action: Action) -> bool {
-        let varies = self.progress.varies || self.memory.outcomes(number, action).vary();
+        let varies = self.progress.varies || self.model.outcomes(number, action).vary();
         let step = self.surest_reward(number).min(self.progress.step);
         let changed = varies != self.progress.varies || step != self.progress.step;
         (self.progress.varies, self.progress.step) = (varies, step);
@@ -345,7 +345,7 @@ impl EnvironmentLearner {
 
     /// Returns the greatest reward that some action of a percept paid at least; 0 if it has an unknown action.
     fn surest_reward(&self, number: usize) -> f64 {
-        let least = |action| self.memory.outcomes(number, action).least_reward();
+        let least = |action| self.model.outcomes(number, action).least_reward();
         let least: Option<Vec<f64>> = Action::all(self.actions).map(least).collect();
         least.map_or(0.0, |least| {
             least.into_iter().fold(f64::NEG_INFINITY, f64::max)
@@ -358,26 +358,26 @@ impl EnvironmentLearner {
         } else {
             1
         };
-        self.memory.require(tries);
+        self.model.require(tries);
     }
 
     /// Gives both plans the estimates.
     fn assume(&mut self) {
         let (step, unknown) = (self.progress.step, self.unknown());
         self.known.assume(step, None);
-        self.promised.assume(step, Some(unknown));
+        self.optimistic.assume(step, Some(unknown));
     }
 
     /// Computes the values of both plans anew.
     fn replan(&mut self) {
         self.assume();
-        self.known.restart(&self.memory);
-        self.promised.restart(&self.memory);
+        self.known.restart(&self.model);
+        self.optimistic.restart(&self.model);
     }
 
     /// Corrects the rules by the changes of the plan.
     fn distil(&mut self) {
-        self.rules.distil(self.known.news(&self.memory));
+        self.rules.distil(self.known.news(&self.model));
     }
 }
 

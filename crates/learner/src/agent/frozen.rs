@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::agent::credit::credit_of_rules;
 use crate::agent::estimator::map::Tracker;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::{Agent, Choice, Chooser, EndCredit, Explorer, StepCredit};
+use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Explorer, StepCredit};
 use xcs::{Action, Condition, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
 
@@ -67,11 +67,11 @@ impl Agent for Frozen {
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let (action, explores) = explorer.choose(values);
         let by_chance = explores || values.greatest().is_none();
-        let chooser = match self.knowledge.rules() {
-            Some(_) => Chooser::Rules,
-            None => Chooser::Table,
+        let source = match self.knowledge.rules() {
+            Some(_) => DecisionSource::Rules,
+            None => DecisionSource::Table,
         };
-        Choice::by(chooser, action, by_chance)
+        Choice::by(source, action, by_chance)
     }
 
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {

@@ -97,10 +97,10 @@ impl Knowledge {
 
     /// Returns the value of each action for the input of the rules: a context, or a percept without
     /// a map.
-    pub fn values_in(&self, looked_at: &Percept, actions: usize) -> PredictionArray {
+    pub fn values_in(&self, rule_input: &Percept, actions: usize) -> PredictionArray {
         match self {
-            Self::MapRules { rules, .. } => rules.sums(looked_at).array(actions, false),
-            _ => self.values(looked_at, actions),
+            Self::MapRules { rules, .. } => rules.sums(rule_input).array(actions, false),
+            _ => self.values(rule_input, actions),
         }
     }
 
@@ -113,7 +113,7 @@ impl Knowledge {
     }
 
     /// Returns the input of the rules when an episode begins with a percept.
-    pub fn looked_at(&self, percept: &Percept) -> Percept {
+    pub fn rule_input(&self, percept: &Percept) -> Percept {
         match self {
             Self::MapRules { map, .. } => Tracker::at_start(map, percept).context(map),
             _ => *percept,
@@ -159,7 +159,7 @@ impl Knowledge {
     /// The first rule or row that does not fit.
     pub fn check(&self, width: usize, actions: usize) -> Result<(), Misfit> {
         if let Some(map) = self.map()
-            && !(map.is_sound(actions) && width >= PERCEPT_BITS)
+            && !(map.is_valid(actions) && width >= PERCEPT_BITS)
         {
             return Err(Misfit::Map);
         }

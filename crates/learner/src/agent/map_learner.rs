@@ -24,7 +24,7 @@ use super::policy::PolicyKind;
 use super::policy::examples::Examples;
 use super::policy::plan::{BeliefPlan, plan_for};
 use super::saved::{self, RestoreError};
-use super::{Agent, Choice, Chooser, EndCredit, Params, StepCredit};
+use super::{Agent, Choice, DecisionSource, EndCredit, Params, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Classifier, Percept, Population, PredictionArray};
 use xcscr_robot::arena::Outcome;
@@ -81,9 +81,9 @@ impl Learned {
             rule.condition.width() == CONTEXT_BITS && rule.action.index() < actions
         };
         let mut met = self.met.iter();
-        self.maps.is_sound(actions)
-            && self.local.is_sound()
-            && met.all(|(context, met)| context.width() == CONTEXT_BITS && met.is_sound())
+        self.maps.is_valid(actions)
+            && self.local.is_valid()
+            && met.all(|(context, met)| context.width() == CONTEXT_BITS && met.is_valid())
             && (has_rules || self.rules.is_empty())
             && self.rules.rules().iter().all(fits)
     }
@@ -253,13 +253,13 @@ impl Agent for MapLearner {
     /// Explores in exploration episodes, and if the policy has no values. Otherwise the policy chooses.
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         if self.explores() || values.greatest().is_none() {
-            return Choice::new(self.explore(), Chooser::Planner);
+            return Choice::new(self.explore(), DecisionSource::Planner);
         }
-        let chooser = match self.policy {
-            PolicyKind::Rules => Chooser::Rules,
-            PolicyKind::Plan => Chooser::Table,
+        let source = match self.policy {
+            PolicyKind::Rules => DecisionSource::Rules,
+            PolicyKind::Plan => DecisionSource::Table,
         };
-        Choice::new(explorer.exploit(values), chooser)
+        Choice::new(explorer.exploit(values), source)
     }
 
     /// Records the outcome of the action chosen after the last [`observe`](Self::observe). Wrong rules

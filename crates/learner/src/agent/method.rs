@@ -120,7 +120,7 @@ impl Method {
             let vision = if sensed {
                 Vision::Lidar
             } else {
-                Vision::LookedUp
+                Vision::GroundTruth
             };
             let estimator = match plus.estimator {
                 Estimator::Auto if !shows_surroundings => Estimator::Percept,
@@ -154,7 +154,7 @@ impl Method {
             Self::XcscrCoevolved => {
                 let streams = [
                     StreamName::Experts,
-                    StreamName::Keeper,
+                    StreamName::PolicySelector,
                     StreamName::BehaviourCloner,
                 ];
                 let method = Combined::new(learner(), reward, stream(StreamName::Imprinting));

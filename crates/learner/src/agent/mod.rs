@@ -27,7 +27,7 @@ mod policy;
 mod power;
 mod tabular;
 
-pub use choice::{Choice, Chooser, Chosen};
+pub use choice::{Choice, Chosen, DecisionSource};
 use credit::{Combined, Standard};
 pub use environment_learner::{EnvironmentLearner, EnvironmentParams};
 pub use estimator::map::{
@@ -38,11 +38,11 @@ pub use frozen::Frozen;
 pub use knowledge::Knowledge;
 pub use knowledge::Misfit;
 pub use method::{Method, Setup};
-pub use model::{CollisionRule, Generalisation, ReturnRule};
+pub use model::{CollisionRule, Generalisation, InverseActionRule};
 pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
 pub use plus_params::{Estimator, PlusParams};
 pub use policy::contexts::contexts;
-pub(crate) use policy::demands::words as memory_words;
+pub(crate) use policy::demands::words as context_words;
 pub use policy::demands::{Demand, Part, demands};
 pub use power::power;
 pub use saved::RestoreError;
@@ -110,7 +110,7 @@ pub trait Agent {
     /// best according to the rules.
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let (action, explores) = explorer.choose(values);
-        Choice::by(Chooser::Rules, action, explores)
+        Choice::by(DecisionSource::Rules, action, explores)
     }
 
     /// Credits the action chosen after the last [`observe`](Self::observe).

@@ -16,28 +16,28 @@ use crate::agent::knowledge::Knowledge;
 use crate::agent::model::Generalisation;
 use crate::agent::model::collision_rules::CollisionRules;
 use crate::agent::model::transitions::{Transition, Transitions};
-use crate::agent::planner::exploration::{Exploration, Model};
+use crate::agent::planner::exploration::{Exploration, Inputs};
 use crate::agent::planner::sweeping::PlannedValues;
 use crate::agent::policy::{PolicyKind, RulePolicy};
 use crate::agent::saved::{self, RestoreError};
-use crate::agent::{Agent, Choice, Chooser, EndCredit, Params, PlusParams, StepCredit};
+use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Params, PlusParams, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Percept, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
 
-/// Model, plan and policy over percepts.
+/// Inputs, plan and policy over percepts.
 #[derive(Debug, Clone)]
 pub struct PerceptLearner {
     actions: usize,
     params: Params,
     own: PlusParams,
-    memory: Transitions,
+    model: Transitions,
     known: PlannedValues,
     /// The rules that choose; `None` if the plan does.
     rules: Option<RulePolicy>,
     collisions: CollisionRules,
     exploration: Exploration,
-    /// Breaks ties between equally promising paths.
+    /// Breaks ties between equally good paths.
     stream: Stream,
     /// The steps of this episode.
     path: Vec<Taken>,
@@ -61,7 +61,7 @@ struct Taken {
 
 impl PerceptLearner {
     /// Creates an untrained learner around an empty classifier system. The first `ring` bits of its
-    /// percepts form a ring around the robot. `planning` breaks ties between equally promising paths. The
+    /// percepts form a ring around the robot. `planning` breaks ties between equally good paths. The
     /// parameters must have been checked.
     pub fn new(
         xcs: Xcs,
@@ -75,7 +75,7 @@ impl PerceptLearner {
         let known = PlannedValues::new(actions, &params);
         Self {
             actions,
-            memory: Transitions::default(),
+            model: Transitions::default(),
             rules: (policy == PolicyKind::Rules).then(|| RulePolicy::new(xcs)),
             collisions: CollisionRules::new(actions, ring, own.certainty),
             exploration: Exploration::new(actions, &params, known.floor()),
@@ -96,18 +96,18 @@ impl PerceptLearner {
 
     /// Returns true if moves slip, and a percept and action had more results than slips explain.
     pub fn is_refuted(&self) -> bool {
-        self.memory.is_refuted()
+        self.model.is_refuted()
     }
 
     /// Returns true if fewer than `steps` different percepts were met and no moves slip.
     pub fn has_met_fewer_than(&self, steps: usize) -> bool {
-        self.memory.percepts().len() < steps && !self.memory.slips().any()
+        self.model.percepts().len() < steps && !self.model.slips().any()
     }
 
     /// Returns the planned action values in a percept; none if no path to a goal is known.
     fn planned(&self, number: usize) -> PredictionArray {
         let mut array = PredictionArray::new(self.actions);
-        for (action, value) in self.known.action_values(&self.memory, number) {
+        for (action, value) in self.known.action_values(&self.model, number) {
             array.set(action, value);
         }
         array
@@ -120,7 +120,7 @@ impl PerceptLearner {
             let row = Action::all(self.actions).map(|action| values.get(action));
             values.greatest().map(|_| row.collect())
         };
-        let rows = self.memory.sorted();
+        let rows = self.model.sorted();
         rows.filter_map(|(percept, number)| Some((*percept, row(number)?)))
             .collect()
     }
@@ -131,19 +131,19 @@ impl PerceptLearner {
     /// When the bytes are damaged.
     pub fn resume(&mut self, saved: &[u8]) -> Result<bool, RestoreError> {
         let (rules, stream, learned) = saved::read(saved)?;
-        let (memory, known, collisions, exploration): State = learned;
-        self.known = known.resumed(&self.known, &memory);
+        let (model, known, collisions, exploration): State = learned;
+        self.known = known.resumed(&self.known, &model);
         self.collisions = collisions.with_settings_of(&self.collisions);
         self.exploration = exploration.with_settings_of(&self.exploration);
-        (self.memory, self.stream) = (memory, stream);
+        (self.model, self.stream) = (model, stream);
         let policy = match (&mut self.rules, rules) {
-            (Some(own), Some(rules)) => own.resume(rules, self.memory.percepts()),
+            (Some(own), Some(rules)) => own.resume(rules, self.model.percepts()),
             (own, rules) => own.is_none() && rules.is_none(),
         };
         Ok(policy
-            && self.memory.is_sound()
-            && self.known.is_sound(&self.memory)
-            && self.collisions.is_sound())
+            && self.model.is_valid()
+            && self.known.is_valid(&self.model)
+            && self.collisions.is_valid())
     }
 
     /// Learns from the last step, given the next percept.
@@ -153,19 +153,19 @@ impl PerceptLearner {
         };
         self.learn_return(next);
         let (step, action) = (Transition { next, ..step }, step.action);
-        let number = self.memory.meet(&step.percept);
-        let known = self.memory.is_known(number, action);
-        if self.memory.learn(&step, self.memory.slips().lead()) {
-            let next = next.map(|next| self.memory.meet(&next));
-            self.known.learn(&self.memory, (number, action), next);
+        let number = self.model.meet(&step.percept);
+        let known = self.model.is_known(number, action);
+        if self.model.learn(&step, self.model.slips().lead()) {
+            let next = next.map(|next| self.model.meet(&next));
+            self.known.learn(&self.model, (number, action), next);
         }
-        if self.memory.is_known(number, action) != known {
-            self.exploration.wake();
+        if self.model.is_known(number, action) != known {
+            self.exploration.invalidate();
         } else if let Some(next) =
-            next.filter(|_| !bumped && self.known.is_best(&self.memory, number, action))
+            next.filter(|_| !bumped && self.known.is_best(&self.model, number, action))
         {
-            let next = self.memory.meet(&next);
-            if !self.memory.slipped(number, action, next) {
+            let next = self.model.meet(&next);
+            if !self.model.slipped(number, action, next) {
                 self.exploration.follow(number, next);
             }
         }
@@ -173,12 +173,12 @@ impl PerceptLearner {
 
     /// Updates the slip estimate. If it has changed, re-evaluates everything.
     fn update_slips(&mut self) {
-        if self.memory.update_slips(self.params.step) {
-            let slips = self.memory.slips();
-            self.known.reconsider(&self.memory);
+        if self.model.update_slips(self.params.step) {
+            let slips = self.model.slips();
+            self.known.reconsider(&self.model);
             let margin = if slips.any() { slips.lead() } else { 0 };
             self.collisions.set_margin(margin);
-            self.exploration.wake();
+            self.exploration.invalidate();
         }
     }
 
@@ -191,29 +191,29 @@ impl PerceptLearner {
         if self.own.return_rules && start != second.step.percept && !second.bumped {
             let back = next == Some(start);
             let turn = [first.step.action, second.step.action];
-            if self.known.learn_return(&self.memory, turn, back) {
-                self.exploration.wake();
+            if self.known.learn_return(&self.model, turn, back) {
+                self.exploration.invalidate();
             }
         }
     }
 
     /// Corrects the rules by the changes of the plan.
     fn distil(&mut self) {
-        let examples = self.known.news(&self.memory);
+        let examples = self.known.news(&self.model);
         if let Some(rules) = &mut self.rules {
             rules.distil(examples);
         }
     }
 
-    /// Returns the next step of exploration; `None` if no action is more promising than the known ones.
+    /// Returns the next step of exploration; `None` if no action has an optimistic value above the known values.
     fn explore(&mut self, number: usize) -> Option<Action> {
-        let model = Model {
-            memory: &self.memory,
+        let inputs = Inputs {
+            model: &self.model,
             known: &self.known,
             collisions: &self.collisions,
         };
         match self.own.planned_exploration {
-            true => self.exploration.next(number, &model, &mut self.stream),
+            true => self.exploration.next(number, &inputs, &mut self.stream),
             false => None,
         }
     }
@@ -226,10 +226,10 @@ impl Agent for PerceptLearner {
 
     /// Learns from the last step, decides whether to explore, and returns the policy's action values.
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
-        let met = self.memory.percepts().len();
-        let number = self.memory.meet(percept);
+        let met = self.model.percepts().len();
+        let number = self.model.meet(percept);
         if number == met {
-            self.exploration.wake();
+            self.exploration.invalidate();
         }
         self.learn_last_step(Some(*percept));
         self.present = Some((*percept, number));
@@ -247,18 +247,18 @@ impl Agent for PerceptLearner {
     /// best actions, or any action if the policy has no values.
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         if let Some(action) = self.heading {
-            return Choice::new(action, Chooser::Planner);
+            return Choice::new(action, DecisionSource::Planner);
         }
         let (action, by_chance) = match self.own.planned_exploration {
             true => (explorer.exploit(values), false),
             false => explorer.choose(values),
         };
         let by_chance = by_chance || values.greatest().is_none();
-        let chooser = match self.rules {
-            Some(_) => Chooser::Rules,
-            None => Chooser::Table,
+        let source = match self.rules {
+            Some(_) => DecisionSource::Rules,
+            None => DecisionSource::Table,
         };
-        Choice::by(chooser, action, by_chance)
+        Choice::by(source, action, by_chance)
     }
 
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
@@ -273,7 +273,7 @@ impl Agent for PerceptLearner {
         };
         let bumped = matches!(outcome, Outcome::Collided { .. });
         if self.own.collision_rules && self.collisions.learn(&percept, action, bumped) {
-            self.exploration.wake();
+            self.exploration.invalidate();
         }
         let step = Transition {
             percept,
@@ -309,7 +309,7 @@ impl Agent for PerceptLearner {
     }
 
     fn values(&self, percept: &Percept) -> PredictionArray {
-        match (&self.rules, self.memory.number_of(percept)) {
+        match (&self.rules, self.model.number_of(percept)) {
             (Some(rules), _) => rules.xcs().values(percept),
             (None, Some(number)) => self.planned(number),
             (None, None) => PredictionArray::new(self.actions),
@@ -339,7 +339,7 @@ impl Agent for PerceptLearner {
             self.collisions.warm_start(&generalisation.collisions);
         }
         if self.own.return_rules {
-            self.known.bring(&generalisation.returns);
+            self.known.warm_start(&generalisation.returns);
         }
         true
     }
@@ -348,7 +348,7 @@ impl Agent for PerceptLearner {
     fn rule_count(&self) -> usize {
         match &self.rules {
             Some(rules) => rules.xcs().population().len(),
-            None => self.memory.percepts().len() * self.actions,
+            None => self.model.percepts().len() * self.actions,
         }
     }
 
@@ -357,7 +357,7 @@ impl Agent for PerceptLearner {
             self.rules.as_ref().map(RulePolicy::state),
             &self.stream,
             (
-                &self.memory,
+                &self.model,
                 &self.known,
                 &self.collisions,
                 &self.exploration,

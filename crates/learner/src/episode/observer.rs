@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::agent::{Agent, Chooser, Chosen, StepCredit};
+use crate::agent::{Agent, Chosen, DecisionSource, StepCredit};
 use xcs::{Action, Percept};
 use xcs::{Condition, PredictionArray};
 use xcscr_robot::arena::{Outcome, View};
@@ -35,7 +35,7 @@ pub struct Step<'a> {
     /// The action that was chosen.
     pub action: Action,
     /// The decision source.
-    pub chooser: Chooser,
+    pub source: DecisionSource,
     /// True if the action was chosen to explore.
     pub explored: bool,
     /// The outcome of the action.
@@ -52,7 +52,9 @@ impl Step<'_> {
     /// Returns the condition of the rule of \[A\] with the greatest weight, if rules chose the
     /// action.
     pub fn fired(&self) -> Option<Condition> {
-        self.credit.fired.filter(|_| self.chooser == Chooser::Rules)
+        self.credit
+            .fired
+            .filter(|_| self.source == DecisionSource::Rules)
     }
 }
 

@@ -8,7 +8,7 @@ use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Cell, Maze, Paths};
 
 /// The value of each action in each free cell of a maze, in reading order of the cells. In a
-/// [vast](Maze::is_vast) maze, only cells on the greedy path from a fixed start are included.
+/// [very large](Maze::is_too_large) maze, only cells on the greedy path from a fixed start are included.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolicyMap {
     cells: Vec<(Cell, PredictionArray)>,
@@ -18,7 +18,7 @@ impl PolicyMap {
     /// Evaluates a learner in each free cell that is not a goal, without changing the learner.
     pub fn of(method: &dyn Agent, sensor: Sensor, maze: &Maze) -> Self {
         let values = |cell| (cell, method.values(&sensor.perceive_at(maze, cell)));
-        if maze.is_vast() {
+        if maze.is_too_large() {
             return Self::along_path(maze, values);
         }
         let cells = maze.free_cells().filter(|&cell| !maze.is_goal(cell));

@@ -39,7 +39,7 @@ pub fn run(
             percept,
             values,
             action,
-            chooser: choice.chooser,
+            source: choice.source,
             explored: choice.explores(),
             outcome,
             credit,
@@ -93,7 +93,7 @@ impl Totals {
         self.steps += 1;
         self.collisions += u32::from(matches!(step.outcome, Outcome::Collided { .. }));
         self.explored += u32::from(step.explored);
-        self.chosen.count(step.chooser);
+        self.chosen.count(step.source);
         self.reward += step.credit.short_term_reward;
     }
 }

@@ -1,6 +1,6 @@
 //! Descriptions of conditions in words.
 
-use crate::agent::{Knowledge, PERCEPT_BITS, memory_words};
+use crate::agent::{Knowledge, PERCEPT_BITS, context_words};
 use xcscr_robot::sensor::{ANYTHING, Alleles, Sensor};
 use xcscr_robot::world::Maze;
 
@@ -24,7 +24,7 @@ pub fn words_of_memory(sensor: Sensor, maze: &Maze, alleles: Alleles<'_>) -> Str
         Some(sensor.words(maze, &around)).filter(|words| words != ANYTHING)
     };
     let mut words: Vec<String> = seen(alleles).into_iter().collect();
-    words.extend(memory_words(alleles, &seen));
+    words.extend(context_words(alleles, &seen));
     match words.is_empty() {
         true => ANYTHING.to_owned(),
         false => words.join(", "),

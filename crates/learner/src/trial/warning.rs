@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::advice::Advice;
 use super::plan::{Config, Plan};
-use xcscr_robot::sensor::{Alike, Sensor, alike_among};
+use xcscr_robot::sensor::{AliasedCells, Sensor, aliased_among};
 use xcscr_robot::world::{Cell, Facts, Maze, Paths};
 
 /// The maximum number of groups of cells, and of cells per group, that a warning lists.
@@ -66,7 +66,7 @@ impl Plan {
         let paths = Paths::with_slip(&plan.maze, plan.config.settings.arena.slip);
         [
             step_limit(&plan, &paths),
-            look_alike(&plan, &paths),
+            aliased_cells(&plan, &paths),
             collected(&plan),
             out_of_reach(&plan.maze),
         ]
@@ -95,7 +95,7 @@ fn step_limit(plan: &Plan, paths: &Paths) -> Option<Warning> {
 }
 
 /// Only cells on optimal paths matter, and only to a method that does not build a map.
-fn look_alike(plan: &Plan, paths: &Paths) -> Option<Warning> {
+fn aliased_cells(plan: &Plan, paths: &Paths) -> Option<Warning> {
     let Plan { maze, config } = plan;
     let may_draw = config.method.may_draw_maps(&config.settings.plus);
     if may_draw && config.sensor.shows_only_surroundings() {
@@ -150,9 +150,9 @@ fn out_of_reach(maze: &Maze) -> Option<Warning> {
 /// Returns the groups of perceptually aliased cells on shortest paths without a common best action.
 pub(super) fn misleading(sensor: Sensor, maze: &Maze, paths: &Paths) -> Vec<Vec<Cell>> {
     let on_paths = paths.cells_on_shortest(maze);
-    let groups = alike_among(sensor, maze, paths, on_paths).into_iter();
+    let groups = aliased_among(sensor, maze, paths, on_paths).into_iter();
     let misleading = groups.filter(|group| !group.share_a_best_action);
-    misleading.map(|Alike { cells, .. }| cells).collect()
+    misleading.map(|AliasedCells { cells, .. }| cells).collect()
 }
 
 impl Warning {
@@ -348,8 +348,8 @@ mod tests {
     }
 
     #[test]
-    fn vast_mazes_are_searched_too() {
-        assert!(maze("dfs-150-1").is_vast());
+    fn very_large_mazes_are_searched_too() {
+        assert!(maze("dfs-150-1").is_too_large());
         let said = said("dfs-150-1", Method::QLearning, Sensor::Neighbours, &[]);
         assert!(
             said.len() == 1 && said[0].contains("more such groups"),

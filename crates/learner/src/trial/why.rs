@@ -67,10 +67,10 @@ impl Why {
 /// Returns the rules that match a percept, with their shares.
 fn votes(knowledge: &Knowledge, percept: &Percept, values: &PredictionArray) -> Vec<WeightedRule> {
     let rules = knowledge.rules().map_or(&[][..], Population::rules);
-    let looked_at = knowledge.looked_at(percept);
+    let rule_input = knowledge.rule_input(percept);
     let matching = rules
         .iter()
-        .filter(|rule| rule.condition.matches(&looked_at));
+        .filter(|rule| rule.condition.matches(&rule_input));
     let matching: Vec<Classifier> = matching.copied().collect();
     let fitness_of = |action| {
         let rules = matching.iter().filter(move |rule| rule.action == action);
@@ -141,14 +141,14 @@ fn candidates(sensor: Sensor, maze: &Maze, percept: &Percept) -> Vec<Candidate> 
     let real = cells.map(|cell| (sensor.perceive_at(maze, cell), Some(cell)));
     let one = sensor.changed_surroundings(percept);
     let two = one.iter().flat_map(|one| sensor.changed_surroundings(one));
-    let imagined = one
+    let simulated = one
         .iter()
         .copied()
         .chain(two)
         .map(|percept| (percept, None));
     let mut seen = BTreeSet::from([*percept]);
     let all = real
-        .chain(imagined)
+        .chain(simulated)
         .filter(|(percept, _)| seen.insert(*percept));
     let mut candidates: Vec<Candidate> = all.map(candidate).collect();
     candidates.sort_by_key(|candidate| candidate.words.len());

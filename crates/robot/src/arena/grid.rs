@@ -88,7 +88,7 @@ impl Arena for GridArena {
             noise: None,
             sensing: None,
             slip: None,
-            flips: None,
+            observation_noise: None,
         }
     }
 

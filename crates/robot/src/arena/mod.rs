@@ -136,11 +136,11 @@ pub struct Lasting {
     /// The random stream of the motion noise; `None` in arenas without noise.
     pub noise: Option<Stream>,
     /// The state of sensors and estimator; `None` for a robot that gets the true pose.
-    pub sensing: Option<physics::SensingMemory>,
+    pub sensing: Option<physics::SensingCheckpoint>,
     /// The random stream that selects slipping actions; `None` where actions do not slip.
     pub slip: Option<Stream>,
     /// The random stream of the observation noise; `None` without observation noise.
-    pub flips: Option<Stream>,
+    pub observation_noise: Option<Stream>,
 }
 
 /// Returns the cell where the robot of a new arena is.

@@ -28,7 +28,7 @@ impl NoisyPerceptArena {
             arena,
             flip_probability,
             width,
-            stream: Stream::new(seed, StreamName::Flips),
+            stream: Stream::new(seed, StreamName::ObservationNoise),
             flipped: Percept::from_word(0, 0),
         };
         noisy_percepts.draw();
@@ -67,20 +67,20 @@ impl Arena for NoisyPerceptArena {
 
     fn lasting(&self) -> Lasting {
         Lasting {
-            flips: Some(self.stream.clone()),
+            observation_noise: Some(self.stream.clone()),
             ..self.arena.lasting()
         }
     }
 
     fn continue_from(&mut self, lasting: &Lasting) {
-        if let Some(stream) = &lasting.flips {
+        if let Some(stream) = &lasting.observation_noise {
             self.stream = stream.clone();
         }
         self.arena.continue_from(lasting);
     }
 
     fn reseed(&mut self, seed: u64) {
-        self.stream = Stream::new(seed, StreamName::Flips);
+        self.stream = Stream::new(seed, StreamName::ObservationNoise);
         self.arena.reseed(seed);
         self.draw();
     }
@@ -99,8 +99,8 @@ mod tests {
     }
 
     /// Returns the inverted bits of `count` steps against a wall and back.
-    fn flipped(arena: Box<dyn Arena>, flips: f64, count: usize) -> Vec<Percept> {
-        let mut arena = NoisyPerceptArena::new(arena, flips, 16, 1);
+    fn flipped(arena: Box<dyn Arena>, probability: f64, count: usize) -> Vec<Percept> {
+        let mut arena = NoisyPerceptArena::new(arena, probability, 16, 1);
         let start = arena.view().cell;
         arena.reset(start);
         let flipped = |number: usize| {

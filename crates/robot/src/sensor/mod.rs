@@ -5,7 +5,7 @@
 //! the physics arena they are computed only from the robot's lidar. On the grid they are those of a
 //! perfect lidar.
 
-mod alike;
+mod aliasing;
 mod changes;
 mod lidar;
 mod neighbours;
@@ -15,8 +15,8 @@ mod words;
 
 use std::collections::HashSet;
 
-pub use alike::Alike;
-pub use alike::alike_among;
+pub use aliasing::AliasedCells;
+pub use aliasing::aliased_among;
 use foldhash::fast::FixedState;
 pub use params::SensorParams;
 use serde::{Deserialize, Serialize};
@@ -282,7 +282,7 @@ mod tests {
             let ring = sensor.ring(4);
             let [before, after] = [&upright, &turned].map(|rows| at_middle(sensor, rows));
             let bits = |percept: Percept| (0..ring).map(|at| percept.bit(at)).collect::<Vec<_>>();
-            let east_ahead = after.turned(ring / 4, ring);
+            let east_ahead = after.rotated(ring / 4, ring);
             assert_eq!(bits(east_ahead), bits(before), "{sensor:?}");
             assert_ne!(bits(after), bits(before), "control: {sensor:?}");
             checked += 1;
@@ -304,7 +304,7 @@ mod tests {
             let text = format!(r#"{{ "rows": {rows:?} }}"#);
             let maze = Maze::from_json(text.as_bytes(), "room.json").unwrap();
             let percept = sensor.perceive_at(&maze, cell);
-            let turned = percept.turned(action * ring / moves.len(), ring);
+            let turned = percept.rotated(action * ring / moves.len(), ring);
             [0, 1].map(|bit| turned.bit(bit))
         };
         let mut all = moves.iter().enumerate().map(ahead);

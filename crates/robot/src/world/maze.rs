@@ -163,7 +163,7 @@ impl Maze {
     }
 
     /// Returns true if the maze is too large to show every cell.
-    pub fn is_vast(&self) -> bool {
+    pub fn is_too_large(&self) -> bool {
         self.walls.len() > MOST_SHOWN
     }
 

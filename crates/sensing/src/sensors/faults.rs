@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn faults_change_nothing_before_their_episode() {
-        let sound = ([0.1, 0.2], 0.0, [true; 2], vec![true; 4]);
-        assert_eq!(readings_in(1), sound);
+        let intact = ([0.1, 0.2], 0.0, [true; 2], vec![true; 4]);
+        assert_eq!(readings_in(1), intact);
     }
 }

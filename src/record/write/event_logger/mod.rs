@@ -118,7 +118,7 @@ impl EventLogger {
             perceived_cells: SceneEntity::default(),
             belief: Vec::new(),
             maze_shown: false,
-            query_interval: (!maze.is_vast()).then(|| {
+            query_interval: (!maze.is_too_large()).then(|| {
                 (maze.free_cells().count() as u32)
                     .div_ceil(CELLS_A_STEP)
                     .max(1)

@@ -225,7 +225,7 @@ mod tests {
         };
         let streams = [
             StreamName::Experts,
-            StreamName::Keeper,
+            StreamName::PolicySelector,
             StreamName::BehaviourCloner,
         ];
         Experts::new(&params, 4, 1000.0, streams.map(|name| Stream::new(1, name)))

@@ -5,7 +5,7 @@ use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::params::{Params, StepLimitUpdate, XcsPayment};
 use crate::agent::saved::{self, RestoreError};
-use crate::agent::{Agent, Choice, Chooser, EndCredit, StepCredit};
+use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit};
 use xcs::{Action, Percept};
 use xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
@@ -76,7 +76,7 @@ impl Agent for Standard {
     /// Explores only actions that rules of \[M\] advocate, as Butz and Wilson do.
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let (action, explores) = explorer.choose_advocated(values);
-        Choice::by(Chooser::Rules, action, explores)
+        Choice::by(DecisionSource::Rules, action, explores)
     }
 
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {

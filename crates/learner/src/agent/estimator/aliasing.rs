@@ -112,7 +112,7 @@ mod tests {
         assert!(!learned(&exact, 3).is_certain(), "too few steps");
         let slips = [exact[0], exact[1], exact[2], (middle, west)];
         assert!(!learned(&slips, 30).is_certain(), "the last one went west");
-        let alike = [exact[0], exact[2]];
-        assert!(!learned(&alike, 100).is_certain(), "control: three cells");
+        let aliased = [exact[0], exact[2]];
+        assert!(!learned(&aliased, 100).is_certain(), "control: three cells");
     }
 }

@@ -57,10 +57,10 @@ impl Belief {
         reached.sort_unstable_by_key(|&(look, state, _)| (look, state));
         reached
             .chunk_by(|a, b| a.0 == b.0)
-            .map(|alike| Branch {
-                probability: alike.iter().map(|one| one.2).sum(),
-                look: alike[0].0,
-                belief: Self::merged(alike).normalised(),
+            .map(|same_percept| Branch {
+                probability: same_percept.iter().map(|one| one.2).sum(),
+                look: same_percept[0].0,
+                belief: Self::merged(same_percept).normalised(),
             })
             .collect()
     }
@@ -136,9 +136,9 @@ impl Belief {
         cost
     }
 
-    fn merged(alike: &[(u32, u32, f64)]) -> Self {
-        let mut states: Vec<(u32, f64)> = Vec::with_capacity(alike.len());
-        for &(_, state, weight) in alike {
+    fn merged(same_percept: &[(u32, u32, f64)]) -> Self {
+        let mut states: Vec<(u32, f64)> = Vec::with_capacity(same_percept.len());
+        for &(_, state, weight) in same_percept {
             match states.last_mut() {
                 Some((last, sum)) if *last == state => *sum += weight,
                 _ => states.push((state, weight)),

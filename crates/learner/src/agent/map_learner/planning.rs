@@ -63,6 +63,6 @@ impl MapLearner {
         let Learned {
             planner, stream, ..
         } = &mut self.learned;
-        planner.imagine(&self.map.pomdp, start, belief, stream)
+        planner.simulate(&self.map.pomdp, start, belief, stream)
     }
 }

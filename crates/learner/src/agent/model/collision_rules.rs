@@ -16,7 +16,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::agent::model::CollisionRule;
-use crate::agent::model::bumps::Bumps;
+use crate::agent::model::collision_candidates::CollisionCandidates;
 use crate::agent::model::tally::Tally;
 use crate::agent::power;
 use xcs::{Action, ByAction, Percept};
@@ -37,9 +37,9 @@ pub(in crate::agent) struct CollisionRules {
     #[serde(skip)]
     certainty: u32,
     /// Rules for single actions.
-    actions: ByAction<Bumps>,
+    actions: ByAction<CollisionCandidates>,
     /// Rules for every action, on the percept rotated by the angle between the action and the first one.
-    rotated: Bumps,
+    rotated: CollisionCandidates,
 }
 
 impl CollisionRules {
@@ -51,20 +51,20 @@ impl CollisionRules {
             ring,
             certainty,
             actions: Default::default(),
-            rotated: Bumps::default(),
+            rotated: CollisionCandidates::default(),
         }
     }
 
     /// Adds rules from another world; those for every action only if percepts are rotated here.
     pub fn warm_start(&mut self, rules: &[CollisionRule]) {
         for rule in rules {
-            let bumps = match rule.action {
+            let candidates = match rule.action {
                 Some(action) => &mut self.actions[action.index()],
                 None if self.ring > 0 => &mut self.rotated,
                 None => continue,
             };
             let (hits, misses) = (rule.hits, rule.misses);
-            bumps.warm_start(rule.condition, Tally { hits, misses });
+            candidates.warm_start(rule.condition, Tally { hits, misses });
         }
     }
 
@@ -78,9 +78,9 @@ impl CollisionRules {
     }
 
     /// Returns true if the counts leave room for more.
-    pub fn is_sound(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         let mut all = self.actions.iter().chain([&self.rotated]);
-        all.all(Bumps::is_sound)
+        all.all(CollisionCandidates::is_valid)
     }
 
     /// Learns that an action bumped or moved. Returns true if a forecast may change.
@@ -93,7 +93,7 @@ impl CollisionRules {
     /// Sets the required lead of bumps or moves in a percept. If moves slip, one try is weak evidence.
     pub fn set_margin(&mut self, margin: u32) {
         let all = self.actions.iter_mut().chain([&mut self.rotated]);
-        all.for_each(|bumps| bumps.set_margin(margin));
+        all.for_each(|candidates| candidates.set_margin(margin));
     }
 
     /// Returns the certainty that an action bumps in a percept, from 0 to 1.
@@ -116,7 +116,7 @@ impl CollisionRules {
 
     /// Returns a number that changes with the forecasts.
     pub fn version(&self) -> u64 {
-        let own: u64 = self.actions.iter().map(Bumps::version).sum();
+        let own: u64 = self.actions.iter().map(CollisionCandidates::version).sum();
         1 + own + self.rotated.version()
     }
 
@@ -124,15 +124,15 @@ impl CollisionRules {
     pub fn rules(&self) -> Vec<CollisionRule> {
         let own =
             Action::all(self.count).map(|action| (Some(action), &self.actions[action.index()]));
-        let with_say = |(action, bumps): (Option<Action>, &Bumps)| {
-            let least = bumps.most_hits().max(self.rotated.most_hits()).div_ceil(2);
+        let with_say = |(action, all): (Option<Action>, &CollisionCandidates)| {
+            let least = all.most_hits().max(self.rotated.most_hits()).div_ceil(2);
             let rule = |condition, Tally { hits, misses }| CollisionRule {
                 condition,
                 action,
                 hits,
                 misses,
             };
-            let strong = bumps.candidates().iter().filter(|c| c.tally.hits >= least);
+            let strong = all.candidates().iter().filter(|c| c.tally.hits >= least);
             strong
                 .map(|c| rule(c.condition, c.tally))
                 .collect::<Vec<_>>()
@@ -146,7 +146,7 @@ impl CollisionRules {
 
     /// Rotates the percept into the frame of a robot that faces the direction of the action.
     fn rotate(&self, percept: &Percept, action: Action) -> Percept {
-        percept.turned(action.index() * self.ring / self.count, self.ring)
+        percept.rotated(action.index() * self.ring / self.count, self.ring)
     }
 }
 

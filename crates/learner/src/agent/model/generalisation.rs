@@ -14,7 +14,7 @@ pub struct Generalisation {
     /// The rules that predict collisions.
     pub collisions: Vec<CollisionRule>,
     /// The rules that predict which action undoes another.
-    pub returns: Vec<ReturnRule>,
+    pub returns: Vec<InverseActionRule>,
 }
 
 /// The maximum count of a rule.
@@ -67,7 +67,7 @@ impl CollisionRule {
     }
 }
 
-impl ReturnRule {
+impl InverseActionRule {
     fn check(&self, actions: usize, seen: &mut BTreeSet<Action>) -> Result<(), String> {
         let Self { turn, hits, misses } = self;
         let number = turn.index();
@@ -101,7 +101,7 @@ pub struct CollisionRule {
 /// A rule that the action `turn` numbers further, modulo the number of actions, undoes any action.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ReturnRule {
+pub struct InverseActionRule {
     /// The difference between the action numbers.
     pub turn: Action,
     /// How often the action led back; at most a billion.
@@ -124,9 +124,9 @@ mod tests {
         }
     }
 
-    fn back(turn: usize) -> ReturnRule {
+    fn back(turn: usize) -> InverseActionRule {
         let turn = Action::new(turn).unwrap();
-        ReturnRule {
+        InverseActionRule {
             turn,
             hits: 2,
             misses: 0,

@@ -153,7 +153,7 @@ impl Outcomes {
     }
 
     /// Returns true if the counts leave room for more and the numbers refer to one of `met` percepts.
-    pub(super) fn is_sound(&self, met: usize, slips: Slips) -> bool {
+    pub(super) fn is_valid(&self, met: usize, slips: Slips) -> bool {
         let known = |o: &Outcome| {
             o.reward.is_finite() && o.next.is_none_or(|next| next < met) && o.count > 0
         };

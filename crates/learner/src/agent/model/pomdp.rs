@@ -108,18 +108,18 @@ impl Pomdp {
     }
 
     /// Returns all states with this percept.
-    pub fn alike(&self, look: u32) -> impl Iterator<Item = u32> + '_ {
+    pub fn aliased(&self, look: u32) -> impl Iterator<Item = u32> + '_ {
         let states = 0..self.states() as u32;
         states.filter(move |&state| self.look(state) == look)
     }
 
     /// Returns the belief at the beginning of an episode that starts anywhere with this percept.
     pub fn first_belief(&self, look: u32) -> Belief {
-        Belief::even(self.alike(look))
+        Belief::even(self.aliased(look))
     }
 
     /// Returns true if all numbers are valid.
-    pub fn is_sound(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         let (states, looks) = (self.states(), self.percepts.len());
         (1..=MAX_ACTIONS).contains(&self.actions)
             && self.next.len() == states * self.actions
@@ -133,7 +133,7 @@ impl Pomdp {
             && self
                 .rewards
                 .as_ref()
-                .is_none_or(|rewards| rewards.is_sound(states))
+                .is_none_or(|rewards| rewards.is_valid(states))
     }
 
     /// Returns the auxiliary rewards.

@@ -57,7 +57,7 @@ impl RewardModel {
         }
     }
 
-    pub(super) fn is_sound(&self, states: usize) -> bool {
+    pub(super) fn is_valid(&self, states: usize) -> bool {
         (DISCOUNTS[0]..=DISCOUNTS[1]).contains(&self.discount)
             && self.goal.is_finite()
             && self.goal >= LEAST_GOAL

@@ -121,7 +121,7 @@ impl Slips {
     }
 
     /// Returns true if the estimate is valid.
-    pub fn is_sound(self) -> bool {
+    pub fn is_valid(self) -> bool {
         (0.0..=1.0).contains(&self.share)
     }
 }

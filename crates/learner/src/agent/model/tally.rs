@@ -36,7 +36,7 @@ impl Tally {
         }
     }
 
-    pub fn is_sound(self) -> bool {
+    pub fn is_valid(self) -> bool {
         self.hits <= MOST_COUNTED && self.misses <= MOST_COUNTED
     }
 }

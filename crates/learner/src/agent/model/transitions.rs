@@ -52,7 +52,7 @@ impl Transitions {
     }
 
     /// Returns true if all numbers of a model read from a file are valid.
-    pub fn is_sound(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         let met = self.percepts.len();
         let named =
             |(percept, &number): (&Percept, &usize)| self.percepts.get(number) == Some(percept);
@@ -60,11 +60,11 @@ impl Transitions {
             percept < met && self.outcomes(percept, action).tries() > 0
         };
         let mut outcomes = self.pairs.iter().flat_map(|pairs| pairs.iter());
-        self.slips.is_sound()
+        self.slips.is_valid()
             && self.pairs.len() == met
             && self.numbers.len() == met
             && self.numbers.iter().all(named)
-            && outcomes.all(|outcomes| outcomes.is_sound(met, self.slips))
+            && outcomes.all(|outcomes| outcomes.is_valid(met, self.slips))
             && self.tried.iter().all(tried)
     }
 
@@ -236,22 +236,22 @@ mod tests {
 
     #[test]
     fn outcomes_count_by_their_frequency() {
-        let mut memory = Transitions::default();
+        let mut model = Transitions::default();
         for reward in [-1.0, -1.0, -1.0, -50.0] {
-            memory.learn(&step("00", reward, Some("01")), 1);
+            model.learn(&step("00", reward, Some("01")), 1);
         }
-        let outcomes = memory.outcomes(0, Action::new(0).unwrap());
+        let outcomes = model.outcomes(0, Action::new(0).unwrap());
         assert_eq!(outcomes.tries(), 4);
         assert_eq!(outcomes.mean(|o| o.reward), -13.25);
         let mut stream = Stream::new(1, StreamName::Replay);
-        let bumps = (0..1000).filter(|_| memory.recall(&mut stream).unwrap().reward == -50.0);
+        let bumps = (0..1000).filter(|_| model.recall(&mut stream).unwrap().reward == -50.0);
         assert!((200..300).contains(&bumps.count()));
     }
 
     /// A corridor of three percepts, traversed in both directions `rounds` times. With `slips`, every
     /// third move slips and bumps.
     fn corridor(rounds: usize, slips: bool) -> Transitions {
-        let mut memory = Transitions::default();
+        let mut model = Transitions::default();
         let mut here = 0_usize;
         for count in 0..8 * rounds {
             let east = count / 4 % 2 == 0;
@@ -265,7 +265,7 @@ mod tests {
             let action = Action::new(usize::from(east)).unwrap();
             let reward = if there == here { -50.0 } else { -1.0 };
             let (percept, next) = (percept(here), Some(percept(there)));
-            memory.learn(
+            model.learn(
                 &Transition {
                     percept,
                     action,
@@ -276,42 +276,40 @@ mod tests {
             );
             here = there;
         }
-        memory
+        model
     }
 
     #[test]
     fn if_moves_slip_a_pair_is_known_by_its_most_frequent_outcome() {
         let east = Action::new(1).unwrap();
-        let mut memory = corridor(12, true);
-        let bumped = memory.outcomes(0, east).all().len();
+        let mut model = corridor(12, true);
+        let bumped = model.outcomes(0, east).all().len();
         assert!(bumped > 1, "control: some of its moves slipped");
-        assert_eq!(memory.next(0, east), None, "before slips are noticed");
-        assert!(memory.update_slips(-1.0));
-        let next = memory.next(0, east).map(|next| memory.percepts()[next]);
+        assert_eq!(model.next(0, east), None, "before slips are noticed");
+        assert!(model.update_slips(-1.0));
+        let next = model.next(0, east).map(|next| model.percepts()[next]);
         assert_eq!(next, Some(Percept::from_word(1, 2)));
-        assert!(!memory.update_slips(-1.0), "no more news");
-        assert!(memory.is_sound());
+        assert!(!model.update_slips(-1.0), "no more news");
+        assert!(model.is_valid());
     }
 
     #[test]
     fn control_if_no_move_slips_none_is_noticed_and_one_try_makes_a_pair_known() {
-        let mut memory = corridor(12, false);
-        assert!(!memory.update_slips(-1.0));
-        assert!(memory.is_known(0, Action::new(1).unwrap()));
+        let mut model = corridor(12, false);
+        assert!(!model.update_slips(-1.0));
+        assert!(model.is_known(0, Action::new(1).unwrap()));
     }
 
     #[test]
     fn repeating_the_only_outcome_changes_nothing() {
-        let mut memory = Transitions::default();
-        assert!(memory.learn(&step("00", -1.0, Some("01")), 1));
-        assert!(!memory.learn(&step("00", -1.0, Some("01")), 1));
-        assert!(memory.learn(&step("00", -1.0, None), 1), "another outcome");
-        assert!(memory.learn(&step("00", -1.0, None), 1), "the odds changed");
+        let mut model = Transitions::default();
+        assert!(model.learn(&step("00", -1.0, Some("01")), 1));
+        assert!(!model.learn(&step("00", -1.0, Some("01")), 1));
+        assert!(model.learn(&step("00", -1.0, None), 1), "another outcome");
+        assert!(model.learn(&step("00", -1.0, None), 1), "the odds changed");
+        assert!(model.learn(&step("01", -1.0, None), 2) && model.learn(&step("01", -1.0, None), 2));
         assert!(
-            memory.learn(&step("01", -1.0, None), 2) && memory.learn(&step("01", -1.0, None), 2)
-        );
-        assert!(
-            !memory.learn(&step("01", -1.0, None), 2),
+            !model.learn(&step("01", -1.0, None), 2),
             "known after two tries"
         );
     }

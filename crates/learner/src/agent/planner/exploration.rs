@@ -18,9 +18,9 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// The number of percepts searched for a path that was left by a slip.
 const NEAR: usize = 50;
 
-/// The model that exploration plans on.
-pub(in crate::agent) struct Model<'a> {
-    pub memory: &'a Transitions,
+/// The model, the plan and the collision rules that exploration uses.
+pub(in crate::agent) struct Inputs<'a> {
+    pub model: &'a Transitions,
     pub known: &'a PlannedValues,
     pub collisions: &'a CollisionRules,
 }
@@ -43,7 +43,7 @@ pub(in crate::agent) struct Exploration {
     /// The rest of the path, next step last.
     #[serde(skip)]
     path: Vec<(usize, Action)>,
-    /// Counts changes of the model that may change an optimistic value, from 1.
+    /// counts changes of the model that may change an optimistic value, from 1.
     version: u64,
     /// By percept: the version in which no optimistic value exceeded the known value.
     exhausted: Vec<u64>,
@@ -102,7 +102,7 @@ impl Exploration {
 
     /// Invalidates the plan, because the model changed in a way that may change an optimistic
     /// value.
-    pub fn wake(&mut self) {
+    pub fn invalidate(&mut self) {
         self.version += 1;
         self.path.clear();
     }
@@ -130,17 +130,22 @@ impl Exploration {
     }
 
     /// Returns the next step of exploration; `None` if no optimistic value exceeds the known value.
-    pub fn next(&mut self, from: usize, model: &Model<'_>, stream: &mut Stream) -> Option<Action> {
+    pub fn next(
+        &mut self,
+        from: usize,
+        inputs: &Inputs<'_>,
+        stream: &mut Stream,
+    ) -> Option<Action> {
         let is_on_path = self
             .path
             .last()
             .is_some_and(|&(percept, _)| percept == from);
-        if !is_on_path && !self.rejoin(from, model) {
+        if !is_on_path && !self.rejoin(from, inputs) {
             self.path.clear();
             if self.is_exhausted(from) {
                 return None;
             }
-            self.find(from, model, stream);
+            self.find(from, inputs, stream);
             if self.path.is_empty() {
                 self.set_exhausted(from);
             }
@@ -149,11 +154,11 @@ impl Exploration {
     }
 
     /// Returns to the path after a slip if it is near; otherwise returns false.
-    fn rejoin(&mut self, from: usize, model: &Model<'_>) -> bool {
-        if self.path.is_empty() || !model.memory.slips().any() {
+    fn rejoin(&mut self, from: usize, inputs: &Inputs<'_>) -> bool {
+        if self.path.is_empty() || !inputs.model.slips().any() {
             return false;
         }
-        self.search.begin(from, model.memory.percepts().len());
+        self.search.begin(from, inputs.model.percepts().len());
         for _ in 0..NEAR {
             let Some((factor, percept)) = self.search.pop() else {
                 return false;
@@ -164,7 +169,7 @@ impl Exploration {
                 return true;
             }
             for action in Action::all(self.actions) {
-                if let Some((next, left)) = self.step(percept, action, model) {
+                if let Some((next, left)) = self.step(percept, action, inputs) {
                     self.search.push(factor * left, next, (percept, action));
                 }
             }
@@ -173,24 +178,26 @@ impl Exploration {
     }
 
     /// Finds the path with the greatest optimistic value.
-    fn find(&mut self, from: usize, model: &Model<'_>, stream: &mut Stream) {
-        let mut best = model.known.value(from) * (1.0 + NEGLIGIBLE);
-        self.search.begin(from, model.memory.percepts().len());
+    fn find(&mut self, from: usize, inputs: &Inputs<'_>, stream: &mut Stream) {
+        let mut best = inputs.known.value(from) * (1.0 + NEGLIGIBLE);
+        self.search.begin(from, inputs.model.percepts().len());
         while let Some((factor, percept)) = self.search.pop() {
             if factor * self.goal < best {
                 break;
             }
-            let values = self.optimistic_values(percept, model);
+            let values = self.optimistic_values(percept, inputs);
             for action in Action::all(self.actions) {
                 let moves = values[action.index()] > 0.0;
-                let is_doubtful = model.memory.is_doubtful(percept, action, moves);
-                if model.memory.is_known(percept, action) && !is_doubtful {
-                    if let Some((next, left)) = self.step(percept, action, model) {
+                let is_doubtful = inputs.model.is_doubtful(percept, action, moves);
+                if inputs.model.is_known(percept, action) && !is_doubtful {
+                    if let Some((next, left)) = self.step(percept, action, inputs) {
                         self.search.push(factor * left, next, (percept, action));
                     }
-                } else if let Some(next) = model.known.way_back(model.memory, percept, action) {
-                    let slips = model.memory.slips();
-                    let factor = factor * slips.discount(model.known.gamma());
+                } else if let Some(next) =
+                    inputs.known.predicted_return(inputs.model, percept, action)
+                {
+                    let slips = inputs.model.slips();
+                    let factor = factor * slips.discount(inputs.known.gamma());
                     self.search.push(factor, next, (percept, action));
                 } else {
                     let value = factor * values[action.index()];
@@ -205,29 +212,29 @@ impl Exploration {
     }
 
     /// Returns the successor of a known pair, and the discount of the step; `None` if it leads nowhere else.
-    fn step(&self, percept: usize, action: Action, model: &Model<'_>) -> Option<(usize, f64)> {
-        let Model { memory, known, .. } = model;
-        if memory.slips().any() && memory.is_explained(percept) {
-            let next = memory.next(percept, action);
+    fn step(&self, percept: usize, action: Action, inputs: &Inputs<'_>) -> Option<(usize, f64)> {
+        let Inputs { model, known, .. } = inputs;
+        if model.slips().any() && model.is_explained(percept) {
+            let next = model.next(percept, action);
             let next = next.filter(|&next| next != percept)?;
-            return Some((next, memory.slips().discount(known.gamma())));
+            return Some((next, model.slips().discount(known.gamma())));
         }
-        let outcomes = memory.outcomes(percept, action);
+        let outcomes = model.outcomes(percept, action);
         let (next, share) = outcomes.likeliest_move(percept, self.step)?;
         Some((next, share * known.gamma()))
     }
 
     /// Returns the optimistic values of the untried actions of a percept, ignoring predicted
     /// returns.
-    fn optimistic_values(&mut self, percept: usize, model: &Model<'_>) -> [f64; MAX_ACTIONS] {
+    fn optimistic_values(&mut self, percept: usize, inputs: &Inputs<'_>) -> [f64; MAX_ACTIONS] {
         let length = self.forecasts.len().max(percept + 1);
         self.forecasts.resize(length, (0, [0.0; MAX_ACTIONS]));
         let (version, values) = &mut self.forecasts[percept];
-        if *version != model.collisions.version() {
-            *version = model.collisions.version();
+        if *version != inputs.collisions.version() {
+            *version = inputs.collisions.version();
             for action in Action::all(self.actions) {
-                let percept = &model.memory.percepts()[percept];
-                let bump = model.collisions.belief(percept, action);
+                let percept = &inputs.model.percepts()[percept];
+                let bump = inputs.collisions.belief(percept, action);
                 values[action.index()] = (1.0 - bump) * self.goal + bump * self.collision;
             }
         }

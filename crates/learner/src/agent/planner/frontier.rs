@@ -22,7 +22,7 @@ pub struct LocalMap {
     /// True if the map contains earlier episodes, too.
     shared: bool,
     /// True if an observation contradicted the map.
-    doubted: bool,
+    contradicted: bool,
     #[serde(skip)]
     here: Place,
     /// The surroundings perceived here.
@@ -36,8 +36,8 @@ impl LocalMap {
         if let Some(last) = last {
             self.here = self.here.plus(likeliest_move(last, around, robot));
         }
-        if !self.doubted && self.contradicts(around) {
-            self.doubt();
+        if !self.contradicted && self.contradicts(around) {
+            self.drop_shared_map();
         }
         self.around = Some(*around);
         self.cell_map.add(self.here, around);
@@ -55,27 +55,27 @@ impl LocalMap {
 
     /// Handles a contradiction: episodes begin in different cells, moves slip or observations have errors. Drops a
     /// map that is shared with earlier episodes.
-    fn doubt(&mut self) {
+    fn drop_shared_map(&mut self) {
         if self.shared {
             *self = Self::default();
         }
-        self.doubted = true;
+        self.contradicted = true;
     }
 
     /// Ends the episode.
     pub fn end(&mut self) {
-        let doubted = self.doubted;
-        if doubted {
+        let contradicted = self.contradicted;
+        if contradicted {
             *self = Self::default();
         }
-        (self.doubted, self.shared) = (doubted, !doubted);
+        (self.contradicted, self.shared) = (contradicted, !contradicted);
         (self.here, self.around) = (Place::ORIGIN, None);
     }
 
     /// Returns true if the map is valid.
-    pub fn is_sound(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         let mut visited = self.visited.iter();
-        self.cell_map.is_sound() && visited.all(|place| place.reach() <= FURTHEST)
+        self.cell_map.is_valid() && visited.all(|place| place.reach() <= FURTHEST)
     }
 
     /// Returns an action whose outcome here is unknown. If there is none, returns the first action toward the nearest
@@ -228,8 +228,8 @@ mod tests {
     fn cells_seen_in_one_episode_are_not_new_in_the_next_if_both_begin_in_the_same_cell() {
         let (heads, map) = heads_after(2);
         assert_eq!(heads, WEST);
-        assert!(map.visited.len() == 3 && !map.doubted);
+        assert!(map.visited.len() == 3 && !map.contradicted);
         let (_, map) = heads_after(0);
-        assert!(map.visited.len() == 1 && map.doubted, "control");
+        assert!(map.visited.len() == 1 && map.contradicted, "control");
     }
 }

@@ -193,7 +193,7 @@ impl BeliefPlanner {
 
     /// Simulates one greedy episode from a state with initial belief `belief`, and updates the cost
     /// of each belief on the path.
-    pub fn imagine(
+    pub fn simulate(
         &mut self,
         pomdp: &Pomdp,
         start: u32,
@@ -204,7 +204,7 @@ impl BeliefPlanner {
         self.follow(pomdp, start, belief, next)
     }
 
-    /// Like [`imagine`](Self::imagine), with `next` as the transition function; it returns [`GOAL`]
+    /// Like [`simulate`](Self::simulate), with `next` as the transition function; it returns [`GOAL`]
     /// at a goal.
     fn follow(
         &mut self,

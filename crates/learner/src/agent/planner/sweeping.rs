@@ -9,8 +9,8 @@ use std::collections::BinaryHeap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::model::ReturnRule;
-use crate::agent::model::return_rules::ReturnRules;
+use crate::agent::model::InverseActionRule;
+use crate::agent::model::inverse_action_rules::InverseActionRules;
 use crate::agent::model::transitions::Transitions;
 use crate::agent::params::Params;
 use xcs::LabelledExample;
@@ -71,7 +71,7 @@ pub(in crate::agent) struct PlannedValues {
     values: Vec<f64>,
     /// By percept: the pairs that led to it.
     before: Vec<Vec<(usize, Action)>>,
-    returns: ReturnRules,
+    returns: InverseActionRules,
     /// Percepts that wait for an update, greatest value first.
     queue: BinaryHeap<(u64, Reverse<usize>)>,
     /// The number of updates allowed.
@@ -91,7 +91,7 @@ impl PlannedValues {
             unknown: None,
             values: Vec::new(),
             before: Vec::new(),
-            returns: ReturnRules::new(actions),
+            returns: InverseActionRules::new(actions),
             queue: BinaryHeap::new(),
             updates: FIRST_UPDATES,
             stale: Vec::new(),
@@ -100,8 +100,8 @@ impl PlannedValues {
     }
 
     /// Returns the learned values with the settings of `other`, which include the rewards that it assumes.
-    pub fn resumed(self, other: &Self, memory: &Transitions) -> Self {
-        let returns = self.returns.resumed(other.actions, memory.slips());
+    pub fn resumed(self, other: &Self, model: &Transitions) -> Self {
+        let returns = self.returns.resumed(other.actions, model.slips());
         Self {
             actions: other.actions,
             gamma: other.gamma,
@@ -112,12 +112,12 @@ impl PlannedValues {
         }
     }
 
-    /// Returns true if the values fit the percepts of `memory`, and all counts are valid.
-    pub fn is_sound(&self, memory: &Transitions) -> bool {
+    /// Returns true if the values fit the percepts of `model`, and all counts are valid.
+    pub fn is_valid(&self, model: &Transitions) -> bool {
         let known = self.values.len();
         let mut pairs = self.before.iter().flatten();
         let waiting = self.queue.iter().map(|&(_, Reverse(percept))| percept);
-        known <= memory.percepts().len()
+        known <= model.percepts().len()
             && [self.before.len(), self.stale.len()] == [known; 2]
             && self
                 .values
@@ -127,7 +127,7 @@ impl PlannedValues {
             && waiting
                 .chain(self.touched.iter().copied())
                 .all(|percept| percept < known)
-            && self.returns.is_sound()
+            && self.returns.is_valid()
     }
 
     /// Sets the reward of a step, and the value of unknown pairs above the floor. With a value, all values are
@@ -137,36 +137,36 @@ impl PlannedValues {
     }
 
     /// Computes all values anew.
-    pub fn restart(&mut self, memory: &Transitions) {
+    pub fn restart(&mut self, model: &Transitions) {
         self.values.fill(self.unknown.unwrap_or(0.0));
         self.updates = self.updates.max(FIRST_UPDATES);
         (0..self.values.len()).for_each(|percept| self.push(percept, self.values[percept]));
-        self.propagate(memory, usize::MAX, NEGLIGIBLE);
+        self.propagate(model, usize::MAX, NEGLIGIBLE);
     }
 
     /// Continues with waiting updates.
-    pub fn settle(&mut self, memory: &Transitions) {
+    pub fn settle(&mut self, model: &Transitions) {
         self.updates = self.updates.saturating_add(UPDATES_PER_STEP);
-        let negligible = match memory.required_tries() {
+        let negligible = match model.required_tries() {
             1 => NEGLIGIBLE,
             _ => NEGLIGIBLE_ODDS,
         };
-        self.propagate(memory, UPDATES_FOR_ODDS, negligible);
+        self.propagate(model, UPDATES_FOR_ODDS, negligible);
     }
 
     /// Makes room for the values of new percepts.
-    pub fn meet(&mut self, memory: &Transitions) {
-        let met = memory.percepts().len();
+    pub fn meet(&mut self, model: &Transitions) {
+        let met = model.percepts().len();
         self.values.resize(met, self.unknown.unwrap_or(0.0));
         self.before.resize(met, Vec::new());
         self.stale.resize(met, false);
     }
 
     /// Recomputes all values after the slip probability changed.
-    pub fn reconsider(&mut self, memory: &Transitions) {
-        self.returns.allow(memory.slips());
+    pub fn reconsider(&mut self, model: &Transitions) {
+        self.returns.allow(model.slips());
         (0..self.values.len()).for_each(|percept| self.push(percept, self.values[percept]));
-        self.propagate(memory, usize::MAX, NEGLIGIBLE_SLIPPING);
+        self.propagate(model, usize::MAX, NEGLIGIBLE_SLIPPING);
     }
 
     /// Returns the value of walking for ever, which all other values are relative to.
@@ -185,24 +185,30 @@ impl PlannedValues {
     }
 
     /// Returns the inverse-action rules.
-    pub fn returns(&self) -> &ReturnRules {
+    pub fn returns(&self) -> &InverseActionRules {
         &self.returns
     }
 
     /// Adopts inverse-action rules from another world.
-    pub fn bring(&mut self, returns: &[ReturnRule]) {
-        self.returns.bring(returns);
+    pub fn warm_start(&mut self, returns: &[InverseActionRule]) {
+        self.returns.warm_start(returns);
     }
 
     /// Returns the percept to which an untried action is predicted to return.
-    pub fn way_back(&self, memory: &Transitions, percept: usize, action: Action) -> Option<usize> {
+    pub fn predicted_return(
+        &self,
+        model: &Transitions,
+        percept: usize,
+        action: Action,
+    ) -> Option<usize> {
         let before = self.before.get(percept)?;
-        self.returns.way_back(memory, before, (percept, action))
+        self.returns
+            .predicted_return(model, before, (percept, action))
     }
 
     /// Records that a pair led to a percept.
-    pub fn link(&mut self, memory: &Transitions, pair: (usize, Action), next: Option<usize>) {
-        self.meet(memory);
+    pub fn link(&mut self, model: &Transitions, pair: (usize, Action), next: Option<usize>) {
+        self.meet(model);
         if let Some(next) = next
             && !self.before[next].contains(&pair)
         {
@@ -211,48 +217,48 @@ impl PlannedValues {
     }
 
     /// Records the successor of a pair, and propagates the change.
-    pub fn learn(&mut self, memory: &Transitions, pair: (usize, Action), next: Option<usize>) {
-        self.link(memory, pair, next);
-        let is_new = memory.outcomes(pair.0, pair.1).tries() == memory.required_tries();
+    pub fn learn(&mut self, model: &Transitions, pair: (usize, Action), next: Option<usize>) {
+        self.link(model, pair, next);
+        let is_new = model.outcomes(pair.0, pair.1).tries() == model.required_tries();
         let (most, negligible) = match is_new {
-            _ if memory.slips().any() => (UPDATES_FOR_ODDS, NEGLIGIBLE_SLIPPING),
-            true if memory.required_tries() == 1 => (usize::MAX, NEGLIGIBLE),
+            _ if model.slips().any() => (UPDATES_FOR_ODDS, NEGLIGIBLE_SLIPPING),
+            true if model.required_tries() == 1 => (usize::MAX, NEGLIGIBLE),
             _ => (UPDATES_FOR_ODDS, NEGLIGIBLE_ODDS),
         };
-        self.update(memory, pair.0, negligible);
+        self.update(model, pair.0, negligible);
         // The prediction of a return may have changed there.
-        let nexts = memory.outcomes(pair.0, pair.1).nexts();
+        let nexts = model.outcomes(pair.0, pair.1).nexts();
         nexts.for_each(|next| self.push(next, self.values[pair.0]));
         self.updates = self.updates.saturating_add(UPDATES_PER_STEP);
-        self.propagate(memory, most, negligible);
+        self.propagate(model, most, negligible);
     }
 
     /// Records whether `next`, right after a move by `first`, led back, and propagates the change.
     /// Returns true if a prediction changed.
     pub fn learn_return(
         &mut self,
-        memory: &Transitions,
+        model: &Transitions,
         [first, next]: [Action; 2],
         back: bool,
     ) -> bool {
         let news = self.returns.learn(first, next, back);
         if news {
             (0..self.values.len()).for_each(|percept| self.push(percept, self.values[percept]));
-            self.propagate(memory, usize::MAX, NEGLIGIBLE);
+            self.propagate(model, usize::MAX, NEGLIGIBLE);
         }
         news
     }
 
     /// Updates waiting values, at most `most` of them. Percepts without changes are skipped: a
     /// percept often has several entries in the queue.
-    fn propagate(&mut self, memory: &Transitions, most: usize, negligible: f64) {
+    fn propagate(&mut self, model: &Transitions, most: usize, negligible: f64) {
         let mut left = most.min(self.updates);
         self.updates -= left;
         while left > 0
             && let Some((_, Reverse(percept))) = self.queue.pop()
         {
             if std::mem::take(&mut self.stale[percept]) {
-                self.update(memory, percept, negligible);
+                self.update(model, percept, negligible);
                 left -= 1;
             }
         }
@@ -273,49 +279,49 @@ impl PlannedValues {
 
     /// Returns the value of a pair above the floor, if the move does not slip; `None` if the pair
     /// is not known.
-    fn value_of(&self, memory: &Transitions, percept: usize, action: Action) -> Option<f64> {
-        if !memory.is_known(percept, action) {
+    fn value_of(&self, model: &Transitions, percept: usize, action: Action) -> Option<f64> {
+        if !model.is_known(percept, action) {
             if self.unknown.is_some() {
                 return self.unknown;
             }
-            let back = self.way_back(memory, percept, action)?;
+            let back = self.predicted_return(model, percept, action)?;
             return Some(self.gamma * self.values[back]);
         }
         let after = |next: Option<usize>| next.map_or(0.0 - self.floor(), |next| self.values[next]);
-        let least = match memory.slips().any() {
+        let least = match model.slips().any() {
             true => 0.0,
             false => f64::NEG_INFINITY,
         };
-        Some(memory.mean(percept, action, |o| {
+        Some(model.mean(percept, action, |o| {
             (o.reward - self.step).max(least) + self.gamma * after(o.next)
         }))
     }
 
     /// Returns the greatest value of the pairs of a percept; 0 if none of them leads to a goal.
-    fn greatest(&self, memory: &Transitions, percept: usize) -> f64 {
+    fn greatest(&self, model: &Transitions, percept: usize) -> f64 {
         let values = Action::all(self.actions);
-        let values = values.filter_map(|action| self.value_of(memory, percept, action));
+        let values = values.filter_map(|action| self.value_of(model, percept, action));
         values.fold(0.0, f64::max)
     }
 
     /// Returns the value of a percept if moves slip.
-    fn slipping_value(&self, memory: &Transitions, percept: usize) -> f64 {
-        if !memory.is_explained(percept) {
-            return self.greatest(memory, percept);
+    fn slipping_value(&self, model: &Transitions, percept: usize) -> f64 {
+        if !model.is_explained(percept) {
+            return self.greatest(model, percept);
         }
         let mut values = ByAction::default();
         for action in Action::all(self.actions) {
-            if memory.next(percept, action) != Some(percept) {
-                values[action.index()] = self.value_of(memory, percept, action);
+            if model.next(percept, action) != Some(percept) {
+                values[action.index()] = self.value_of(model, percept, action);
             }
         }
-        memory.slips().value(&values[..self.actions], self.gamma)
+        model.slips().value(&values[..self.actions], self.gamma)
     }
 
-    fn update(&mut self, memory: &Transitions, percept: usize, negligible: f64) {
-        let value = match memory.slips().any() {
-            true => self.slipping_value(memory, percept),
-            false => self.greatest(memory, percept),
+    fn update(&mut self, model: &Transitions, percept: usize, negligible: f64) {
+        let value = match model.slips().any() {
+            true => self.slipping_value(model, percept),
+            false => self.greatest(model, percept),
         };
         let old = std::mem::replace(&mut self.values[percept], value);
         if self.unknown.is_none() {
@@ -326,7 +332,7 @@ impl PlannedValues {
         }
         let greater = value.max(old);
         let least = match self.unknown {
-            Some(unknown) if memory.required_tries() > 1 => {
+            Some(unknown) if model.required_tries() > 1 => {
                 NEGLIGIBLE_OPTIMISM_IF_VARYING * (1.0 - self.gamma) * unknown
             }
             Some(unknown) => NEGLIGIBLE_OPTIMISM * (1.0 - self.gamma) * unknown,
@@ -334,11 +340,11 @@ impl PlannedValues {
         };
         let is_great = (value - old).abs() > least;
         // A return may lead here from where its own moves lead.
-        let own = Action::all(self.actions).filter_map(|action| memory.next(percept, action));
+        let own = Action::all(self.actions).filter_map(|action| model.next(percept, action));
         let before = std::mem::take(&mut self.before[percept]);
         let depends = |&&(other, action): &&(usize, Action)| {
-            let depends = memory.next(other, action) == Some(percept);
-            depends || !memory.slips().any() || !memory.is_explained(other)
+            let depends = model.next(other, action) == Some(percept);
+            depends || !model.slips().any() || !model.is_explained(other)
         };
         let others = before.iter().filter(depends).map(|&(other, _)| other);
         for other in others.chain(own) {
@@ -359,7 +365,7 @@ impl PlannedValues {
 
     /// Returns the examples that may have changed since the last call, by the number of the
     /// percept.
-    pub fn news(&mut self, memory: &Transitions) -> Vec<(usize, LabelledExample)> {
+    pub fn news(&mut self, model: &Transitions) -> Vec<(usize, LabelledExample)> {
         let mut touched = std::mem::take(&mut self.touched);
         touched.sort_unstable();
         touched.dedup();
@@ -367,7 +373,7 @@ impl PlannedValues {
             .into_iter()
             .filter(|&percept| self.values[percept] > 0.0);
         labelled_examples
-            .map(|percept| (percept, self.labelled_example(memory, percept)))
+            .map(|percept| (percept, self.labelled_example(model, percept)))
             .collect()
     }
 
@@ -375,18 +381,18 @@ impl PlannedValues {
     /// to a goal is known.
     pub fn action_values(
         &self,
-        memory: &Transitions,
+        model: &Transitions,
         percept: usize,
     ) -> impl Iterator<Item = (Action, f64)> {
         let is_known = self.value(percept) > 0.0;
         let greatest = if is_known {
-            self.greatest(memory, percept)
+            self.greatest(model, percept)
         } else {
             0.0
         };
         let actions = Action::all(self.actions).filter(move |_| is_known);
         actions.filter_map(move |action| {
-            let value = self.value_of(memory, percept, action)?;
+            let value = self.value_of(model, percept, action)?;
             let is_best = value >= greatest * (1.0 - TIE);
             Some((
                 action,
@@ -396,26 +402,26 @@ impl PlannedValues {
     }
 
     /// Returns true if an action is one of the best in a percept, as far as known.
-    pub fn is_best(&self, memory: &Transitions, percept: usize, action: Action) -> bool {
-        self.value(percept) > 0.0 && self.labelled_example(memory, percept).best[action.index()]
+    pub fn is_best(&self, model: &Transitions, percept: usize, action: Action) -> bool {
+        self.value(percept) > 0.0 && self.labelled_example(model, percept).best[action.index()]
     }
 
     /// Returns the labelled example of a percept: its best actions.
-    fn labelled_example(&self, memory: &Transitions, percept: usize) -> LabelledExample {
+    fn labelled_example(&self, model: &Transitions, percept: usize) -> LabelledExample {
         let value = self.values[percept];
         // Values of uncertain moves are not settled to the last digit.
-        let is_uncertain = memory.slips().any() || memory.required_tries() > 1;
+        let is_uncertain = model.slips().any() || model.required_tries() > 1;
         let greatest = match is_uncertain {
-            true => self.greatest(memory, percept),
+            true => self.greatest(model, percept),
             false => value,
         };
         let mut best = ByAction::default();
         for action in Action::all(self.actions) {
-            let own = self.value_of(memory, percept, action);
+            let own = self.value_of(model, percept, action);
             best[action.index()] = own.is_some_and(|own| own >= greatest * (1.0 - TIE));
         }
         LabelledExample {
-            percept: memory.percepts()[percept],
+            percept: model.percepts()[percept],
             best,
             value: value + self.floor(),
         }

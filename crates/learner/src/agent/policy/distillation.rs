@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn contexts_met_while_driving_teach_what_no_simulated_episode_does() {
+    fn contexts_met_while_driving_add_examples_that_no_simulated_episode_has() {
         assert_eq!(chosen_after(0, 0.0), [0]);
         assert_eq!(chosen_after(1, 0.0), [1]);
     }

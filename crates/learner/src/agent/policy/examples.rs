@@ -25,7 +25,7 @@ pub struct Example {
 
 impl Example {
     /// Returns true if the aggregate is valid.
-    pub fn is_sound(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         self.weight >= 1.0 && is_count(&self.weight) && !self.costs.iter().any(|cost| cost.is_nan())
     }
 

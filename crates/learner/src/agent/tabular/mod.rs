@@ -18,7 +18,7 @@ use crate::agent::knowledge::Knowledge;
 use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::params::Params;
 use crate::agent::saved::{self, RestoreError};
-use crate::agent::{Agent, Choice, Chooser, EndCredit, StepCredit};
+use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit};
 use xcs::PredictionArray;
 use xcs::random::Stream;
 use xcs::{Action, Percept};
@@ -47,9 +47,9 @@ impl Algorithm {
     }
 
     /// Returns true if its transitions, if any, are valid.
-    fn is_sound(&self) -> bool {
+    fn is_valid(&self) -> bool {
         match self {
-            Self::DynaQ(memory, _) => memory.is_sound(),
+            Self::DynaQ(model, _) => model.is_valid(),
             Self::QLearning | Self::SarsaLambda(_) => true,
         }
     }
@@ -84,7 +84,7 @@ impl Tabular {
     /// Resumes from an algorithm and a table; `None` if they belong to another algorithm, or are damaged.
     fn resumed(mut self, (algorithm, table): (Algorithm, Rows)) -> Option<Self> {
         let is_same = discriminant(&self.algorithm) == discriminant(&algorithm);
-        let fits = is_same && algorithm.is_sound();
+        let fits = is_same && algorithm.is_valid();
         self.algorithm = Some(algorithm).filter(|_| fits)?;
         self.table = Table::with_rows(self.table.actions(), table)?;
         Some(self)
@@ -103,8 +103,8 @@ impl Tabular {
                 let decay = self.own.lambda * gamma;
                 traces.learn(&mut self.table, &step, next_action, [alpha, gamma, decay]);
             }
-            Algorithm::DynaQ(memory, _) => {
-                memory.learn(&step, 1);
+            Algorithm::DynaQ(model, _) => {
+                model.learn(&step, 1);
                 self.table.q_update(&step, alpha, gamma);
                 self.replay();
             }
@@ -113,12 +113,12 @@ impl Tabular {
 
     /// Dyna-Q: learns remembered transitions again.
     fn replay(&mut self) {
-        let Algorithm::DynaQ(memory, stream) = &mut self.algorithm else {
+        let Algorithm::DynaQ(model, stream) = &mut self.algorithm else {
             return;
         };
         let (alpha, gamma) = (self.own.alpha, self.params.gamma);
         for _ in 0..self.own.replays {
-            let Some(recalled) = memory.recall(stream) else {
+            let Some(recalled) = model.recall(stream) else {
                 return;
             };
             self.table.q_update(&recalled, alpha, gamma);
@@ -137,7 +137,7 @@ impl Agent for Tabular {
 
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let (action, explores) = explorer.choose(values);
-        Choice::by(Chooser::Table, action, explores)
+        Choice::by(DecisionSource::Table, action, explores)
     }
 
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {

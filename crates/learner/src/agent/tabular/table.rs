@@ -32,11 +32,11 @@ impl Table {
 
     /// Creates a table with rows from a file; `None` if a number is not finite.
     pub fn with_rows(actions: usize, rows: Rows) -> Option<Self> {
-        let is_sound = rows
+        let is_valid = rows
             .values()
             .flat_map(|row| row.iter())
             .all(|number| number.is_finite());
-        is_sound.then_some(Self { actions, rows })
+        is_valid.then_some(Self { actions, rows })
     }
 
     pub fn actions(&self) -> usize {

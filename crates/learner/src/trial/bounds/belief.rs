@@ -47,8 +47,8 @@ pub fn steps(pomdp: &Pomdp, starts: &[u32], seen: &[f64]) -> Option<f64> {
 /// Groups states by percept.
 fn split(pomdp: &Pomdp, mut states: Set) -> Vec<Set> {
     states.sort_unstable_by_key(|&state| (pomdp.look(state), state));
-    let alike = states.chunk_by(|&a, &b| pomdp.look(a) == pomdp.look(b));
-    alike.map(<[u32]>::to_vec).collect()
+    let aliased = states.chunk_by(|&a, &b| pomdp.look(a) == pomdp.look(b));
+    aliased.map(<[u32]>::to_vec).collect()
 }
 
 struct Search<'a> {

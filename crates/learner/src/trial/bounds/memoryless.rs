@@ -130,7 +130,7 @@ impl Search<'_> {
     /// best in all their states.
     fn conflict(&self, policy: &Policy, distances: &[u32]) -> Option<usize> {
         let states = 0..self.pomdp.states() as u32;
-        let alike = |look: usize| {
+        let aliased = |look: usize| {
             let states = states.clone();
             states.filter(move |&state| self.pomdp.look(state) as usize == look)
         };
@@ -146,10 +146,10 @@ impl Search<'_> {
         };
         let agree = |look: usize| {
             let mut actions = Action::all(self.pomdp.actions());
-            actions.any(|action| alike(look).all(|state| best(state, action)))
+            actions.any(|action| aliased(look).all(|state| best(state, action)))
         };
         let looks = (0..policy.len()).filter(|&look| policy[look].is_none());
-        let open = looks.filter(|&look| alike(look).nth(1).is_some() && !agree(look));
-        open.max_by_key(|&look| alike(look).count())
+        let open = looks.filter(|&look| aliased(look).nth(1).is_some() && !agree(look));
+        open.max_by_key(|&look| aliased(look).count())
     }
 }

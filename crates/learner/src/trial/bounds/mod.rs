@@ -146,7 +146,7 @@ fn known(maze: &Maze, sensor: Sensor, slip: f64) -> (Pomdp, Vec<u32>) {
 }
 
 /// Returns the initial belief of an episode: the starts with this percept.
-fn alike(pomdp: &Pomdp, starts: &[u32], look: u32) -> Belief {
+fn aliased(pomdp: &Pomdp, starts: &[u32], look: u32) -> Belief {
     Belief::even(
         starts
             .iter()
@@ -161,8 +161,8 @@ fn estimate(pomdp: &Pomdp, starts: &[u32]) -> Estimate {
     let mut planner = BeliefPlanner::new(pomdp);
     for _ in 0..PLANNED {
         for &start in starts {
-            let believed = alike(pomdp, starts, pomdp.look(start));
-            planner.imagine(pomdp, start, believed, &mut stream);
+            let believed = aliased(pomdp, starts, pomdp.look(start));
+            planner.simulate(pomdp, start, believed, &mut stream);
         }
     }
     let steps = |run: usize| {
@@ -171,7 +171,7 @@ fn estimate(pomdp: &Pomdp, starts: &[u32]) -> Estimate {
             pomdp,
             &planner,
             start,
-            alike(pomdp, starts, pomdp.look(start)),
+            aliased(pomdp, starts, pomdp.look(start)),
             &mut stream,
         ))
     };
@@ -202,7 +202,7 @@ fn run_once(
         let look = pomdp.look(state);
         belief = belief.after(pomdp, action, |_, next| pomdp.look(next) == look);
         if belief.is_empty() {
-            belief = Belief::even(pomdp.alike(look));
+            belief = Belief::even(pomdp.aliased(look));
         }
     }
     10 * MOST_STEPS

@@ -60,7 +60,7 @@ pub use self::motion::Speeds;
 use self::noise::Noise;
 use self::robot::{Wheels, true_motion};
 use self::sensing::Sensing;
-pub use self::sensing::SensingMemory;
+pub use self::sensing::SensingCheckpoint;
 use self::simulation::{Simulation, State, eastward};
 use self::walls::Block;
 use super::{Arena, Contact, Lasting, Outcome, Sample, View, first_cell};
@@ -327,9 +327,9 @@ impl Arena for PhysicsArena {
         Lasting {
             time_ns: self.time_ns(),
             noise: Some(self.noise.stream.clone()),
-            sensing: self.sensing.as_ref().map(|sensing| sensing.memory()),
+            sensing: self.sensing.as_ref().map(|sensing| sensing.checkpoint()),
             slip: None,
-            flips: None,
+            observation_noise: None,
         }
     }
 
@@ -338,8 +338,8 @@ impl Arena for PhysicsArena {
         if let Some(stream) = &lasting.noise {
             self.noise.stream = stream.clone();
         }
-        if let Some((sensing, memory)) = self.sensing.as_mut().zip(lasting.sensing.as_ref()) {
-            sensing.recall(memory);
+        if let Some((sensing, saved)) = self.sensing.as_mut().zip(lasting.sensing.as_ref()) {
+            sensing.resume(saved);
         }
         self.begin_trace();
     }

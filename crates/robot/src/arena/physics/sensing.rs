@@ -34,7 +34,7 @@ pub(super) struct Sensing {
 
 /// State of sensors and estimator that carries over between episodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SensingMemory {
+pub struct SensingCheckpoint {
     sensors: SensorState,
     belief: Belief,
 }
@@ -42,7 +42,7 @@ pub struct SensingMemory {
 /// State of sensors and estimator that carries over between actions.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct SensingState {
-    memory: SensingMemory,
+    lasting: SensingCheckpoint,
     surroundings: Surroundings,
 }
 
@@ -74,32 +74,32 @@ impl Sensing {
     }
 
     /// Returns the state for a checkpoint between two episodes.
-    pub(super) fn memory(&self) -> SensingMemory {
-        SensingMemory {
+    pub(super) fn checkpoint(&self) -> SensingCheckpoint {
+        SensingCheckpoint {
             sensors: self.sensors.state(),
             belief: self.pilot.onboard().belief().clone(),
         }
     }
 
     /// Restores a checkpoint.
-    pub(super) fn recall(&mut self, memory: &SensingMemory) {
-        self.sensors.set_state(&memory.sensors);
+    pub(super) fn resume(&mut self, saved: &SensingCheckpoint) {
+        self.sensors.set_state(&saved.sensors);
         let surroundings = self.pilot.onboard().surroundings().clone();
-        self.pilot.restore(memory.belief.clone(), surroundings);
+        self.pilot.restore(saved.belief.clone(), surroundings);
     }
 
     /// Returns the state for a snapshot between two actions.
     pub(super) fn state(&self) -> SensingState {
         SensingState {
-            memory: self.memory(),
+            lasting: self.checkpoint(),
             surroundings: self.pilot.onboard().surroundings().clone(),
         }
     }
 
     /// Restores a snapshot.
     pub(super) fn set_state(&mut self, state: &SensingState) {
-        self.sensors.set_state(&state.memory.sensors);
-        let belief = state.memory.belief.clone();
+        self.sensors.set_state(&state.lasting.sensors);
+        let belief = state.lasting.belief.clone();
         self.pilot.restore(belief, state.surroundings.clone());
     }
 

@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_beyond_the_reach_of_a_map_teach_nothing_about_the_motion_model() {
+    fn steps_beyond_the_reach_of_a_map_do_not_change_the_motion_model() {
         let mut robot = RobotModel::known(0.05, 5e-4);
         let before = robot.motion;
         let steps = from_the_east(80);
@@ -157,6 +157,6 @@ mod tests {
         robot.learn_in_context(&steps[0], &aligned.fits[0]);
         let west = steps[0].action;
         assert_eq!(robot.motion.certain(west), before.certain(west));
-        assert!(robot.motion.is_sound(8));
+        assert!(robot.motion.is_valid(8));
     }
 }

@@ -181,7 +181,7 @@ impl CellCounts {
     }
 
     /// Returns true if the map is valid.
-    pub fn is_sound(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         let most = 2 * FURTHEST + 1;
         let inside = |place: Place| place.reach() <= FURTHEST;
         let far = (self.width.saturating_sub(1), self.height.saturating_sub(1));

@@ -41,8 +41,8 @@ impl MapHypothesis {
     }
 
     /// Returns true if the hypothesis is valid.
-    pub fn is_sound(&self) -> bool {
-        self.cell_map.is_sound() && self.payments.is_sound() && is_count(&self.episodes)
+    pub fn is_valid(&self) -> bool {
+        self.cell_map.is_valid() && self.payments.is_valid() && is_count(&self.episodes)
     }
 
     /// Adds an aligned episode.

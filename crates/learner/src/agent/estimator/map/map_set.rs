@@ -310,9 +310,9 @@ impl MapSet {
     }
 
     /// Returns true if the map set is valid for a robot with this number of actions.
-    pub fn is_sound(&self, actions: usize) -> bool {
+    pub fn is_valid(&self, actions: usize) -> bool {
         let steps = self.episodes.iter().flatten();
-        self.robot.motion.is_sound(actions)
+        self.robot.motion.is_valid(actions)
             && self.planned_with.len() == actions
             && self
                 .planned_with
@@ -329,7 +329,7 @@ impl MapSet {
             && [&self.hypotheses, &self.brought]
                 .into_iter()
                 .flatten()
-                .all(MapHypothesis::is_sound)
+                .all(MapHypothesis::is_valid)
             && self.episodes.iter().all(|steps| steps.len() <= KEPT_STEPS)
             && steps
                 .clone()
@@ -380,7 +380,7 @@ mod tests {
         let maps = |vision| MapSet::new(8, vision, MapParams::default());
         let lidar = maps(Vision::Lidar);
         assert_eq!(lidar.robot.observation_error, lidar.observation_error());
-        let exact = maps(Vision::LookedUp);
+        let exact = maps(Vision::GroundTruth);
         assert_eq!(
             (exact.robot.observation_error, exact.observation_error()),
             (LEAST_OBSERVATION_ERROR, 0.0),

@@ -70,7 +70,7 @@ impl MotionModel {
 
     /// Returns true if the result of an action among these cells is uncertain: a bump, or one of several
     /// moves. A hidden corner counts as a wall: a bump does not distinguish the two, so another try would
-    /// teach nothing. Without a bumper, a wall ahead and no displacement count as the same result, too.
+    /// carry no information. Without a bumper, a wall ahead and no displacement count as the same result, too.
     pub fn leave_open(&self, action: Action, around: &Surroundings, feels_bumps: bool) -> bool {
         let bars = |heading: usize| match around.get(heading) {
             Some(state) => matches!(state, CellState::Wall | CellState::Hidden),
@@ -96,7 +96,7 @@ impl MotionModel {
             .zip(fits)
             .map(|(weight, fit)| weight * fit)
             .sum();
-        // An impossible observation teaches nothing.
+        // An impossible observation carries no information.
         if sum > 0.0 {
             let weighed = likely.iter_mut().zip(fits);
             weighed.for_each(|(weight, fit)| *weight = (*weight * fit / sum).max(LEAST));
@@ -104,12 +104,12 @@ impl MotionModel {
     }
 
     /// Returns true if the model is valid for this number of actions.
-    pub fn is_sound(&self, actions: usize) -> bool {
-        let is_sound = |likely: &[f64; DISPLACEMENTS]| {
+    pub fn is_valid(&self, actions: usize) -> bool {
+        let is_valid = |likely: &[f64; DISPLACEMENTS]| {
             likely.iter().all(|weight| (0.0..=1.0).contains(weight))
                 && (likely.iter().sum::<f64>() - 1.0).abs() < 1e-6
         };
-        self.actions == actions && actions <= MAX_ACTIONS && self.likely.iter().all(is_sound)
+        self.actions == actions && actions <= MAX_ACTIONS && self.likely.iter().all(is_valid)
     }
 }
 
@@ -135,7 +135,7 @@ mod tests {
         for slips in [0, 2] {
             let (motion, action) = after(6, slips);
             assert_eq!(motion.certain(action), Some(5), "{motion:?}");
-            assert!(motion.is_sound(8));
+            assert!(motion.is_valid(8));
         }
     }
 
@@ -180,12 +180,12 @@ mod tests {
     }
 
     #[test]
-    fn an_impossible_observation_teaches_nothing() {
+    fn an_impossible_observation_changes_nothing() {
         let (mut motion, action) = after(6, 0);
         let before = motion;
         motion.learn(action, &[0.0; DISPLACEMENTS], 0.0);
         assert_eq!(motion, before);
         motion.learn(action, &[0.5; DISPLACEMENTS], 0.0);
-        assert!(motion.is_sound(8), "control");
+        assert!(motion.is_valid(8), "control");
     }
 }

@@ -92,9 +92,9 @@ pub fn around(percept: &Percept) -> Surroundings {
 /// The source of the robot's percepts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Vision {
-    /// All cells are looked up (ground truth).
+    /// All cells are ground truth, looked up in the maze.
     #[default]
-    LookedUp,
+    GroundTruth,
     /// A lidar senses the cells: goals look free, and a corner between two walls looks like a wall.
     Lidar,
 }
@@ -122,7 +122,7 @@ impl Vision {
     /// Returns the cell state as which a goal is perceived.
     pub fn of_a_goal(self) -> CellState {
         match self {
-            Self::LookedUp => CellState::Goal,
+            Self::GroundTruth => CellState::Goal,
             Self::Lidar => CellState::Free,
         }
     }
@@ -184,7 +184,7 @@ mod tests {
     fn a_lidar_shows_nothing_of_a_corner_between_two_walls() {
         let (cells, shown) = (state("#.#...##"), state("#?#...#?"));
         assert_eq!(Vision::Lidar.around(&percept_of(&cells)), shown);
-        assert_eq!(Vision::LookedUp.around(&percept_of(&cells)), cells);
+        assert_eq!(Vision::GroundTruth.around(&percept_of(&cells)), cells);
     }
 
     #[test]
@@ -192,7 +192,7 @@ mod tests {
         let mut cells = state("#.#...##").map(Some);
         cells[1] = None;
         assert_eq!(Vision::Lidar.seen(cells), Some(state("#?#...#?")));
-        assert_eq!(Vision::LookedUp.seen(cells), None);
+        assert_eq!(Vision::GroundTruth.seen(cells), None);
         cells[3] = None;
         assert_eq!(Vision::Lidar.seen(cells), None, "control");
     }

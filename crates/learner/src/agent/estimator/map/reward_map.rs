@@ -58,10 +58,10 @@ impl RewardMap {
     }
 
     /// Returns true if the rewards are valid.
-    pub fn is_sound(&self) -> bool {
-        let sound = |(place, payment): (&Place, &CellReward)| {
+    pub fn is_valid(&self) -> bool {
+        let is_payment = |(place, payment): (&Place, &CellReward)| {
             place.reach() <= FURTHEST && payment.reward.is_finite() && payment.reward >= 0.0
         };
-        self.0.iter().all(sound)
+        self.0.iter().all(is_payment)
     }
 }

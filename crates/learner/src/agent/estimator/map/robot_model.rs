@@ -247,7 +247,7 @@ impl RobotModel {
     pub fn known(slip: f64, observation_error: f64) -> Self {
         Self {
             motion: MotionModel::known(8),
-            vision: Vision::LookedUp,
+            vision: Vision::GroundTruth,
             slip,
             observation_error,
         }

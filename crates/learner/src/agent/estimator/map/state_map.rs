@@ -89,7 +89,7 @@ impl TryFrom<ReadMap> for Map {
             begin: read.begin,
             unfelt: read.unfelt,
         };
-        match map.is_sound(map.pomdp.actions()) {
+        match map.is_valid(map.pomdp.actions()) {
             true => Ok(map),
             false => Err("the map of the rules contradicts itself"),
         }
@@ -255,7 +255,7 @@ impl Map {
     }
 
     /// Returns true if the map is valid for this number of actions.
-    pub fn is_sound(&self, actions: usize) -> bool {
+    pub fn is_valid(&self, actions: usize) -> bool {
         let mapped = |map_state: &MapState| {
             usize::from(map_state.cell_map) < MOST_MAPS
                 && map_state.place.reach() <= FURTHEST
@@ -266,7 +266,7 @@ impl Map {
             && self.begin.is_none_or(|begin| begin < self.starts())
             && (empty
                 || self.pomdp.actions() == actions
-                    && self.pomdp.is_sound()
+                    && self.pomdp.is_valid()
                     && self.pomdp.states() == self.states.len()
                     && self.states.is_sorted()
                     && self.states.iter().all(mapped))

@@ -243,7 +243,7 @@ impl View {
         };
         let part = rules.rules().iter().filter(|rule| !beyond(rule)).copied();
         let part = part.collect::<Vec<_>>().try_into();
-        part.expect("part of a sound population is sound")
+        part.expect("part of a valid population is valid")
     }
 
     /// Returns the context with all invisible bits set to zero.
@@ -277,7 +277,7 @@ fn step_bits(step: Option<(Percept, Action)>) -> Percept {
 fn relocalised(map: &Map, percept: &Percept, found: u32) -> Belief {
     let pomdp = &map.pomdp;
     if let Some(look) = pomdp.look_of(&sight(percept, found)) {
-        return Belief::even(pomdp.alike(look));
+        return Belief::even(pomdp.aliased(look));
     }
     let seen = around(percept);
     let mismatches = |state: u32| mismatches(map, state, &seen);
@@ -306,7 +306,7 @@ mod tests {
     use crate::agent::model::pomdp::Pomdp;
 
     /// Three aliased cells: the action bumps in the first, and leads from the second to the third.
-    fn alike(unfelt: bool) -> Map {
+    fn aliased(unfelt: bool) -> Map {
         let seen = [sight(&Percept::from_word(0, PERCEPT_BITS), 0); 3];
         let map_state = |east| MapState {
             place: Place::new(east, 1),
@@ -335,9 +335,9 @@ mod tests {
 
     #[test]
     fn a_bump_distinguishes_two_aliased_cells_if_the_robot_has_a_bumper() {
-        let map = alike(false);
+        let map = aliased(false);
         assert_eq!([likely(&map, true), likely(&map, false)], [[0], [2]]);
-        let map = alike(true);
+        let map = aliased(true);
         assert_eq!(likely(&map, true), [0, 2]);
         assert_eq!(likely(&map, false), [0, 2]);
     }

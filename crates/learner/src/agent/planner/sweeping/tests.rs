@@ -13,15 +13,15 @@ const PERCEPTS: usize = 200;
 /// each step whether its pair was new, and how many values were updated.
 fn updates_of_noise(steps: usize) -> (PlannedValues, Vec<(bool, usize)>) {
     let mut stream = Stream::new(1, StreamName::Exploration);
-    let mut memory = Transitions::default();
+    let mut model = Transitions::default();
     let mut known = PlannedValues::new(4, &Params::default());
     let percept = |number: usize| Percept::from_word(number as u64, 8);
     let mut here = 0;
     let updates = (0..steps).map(|_| {
         let action = Action::new(stream.below(4)).unwrap();
         let there = Some(stream.below(PERCEPTS)).filter(|_| !stream.chance(0.02));
-        let number = memory.meet(&percept(here));
-        let is_new = memory.outcomes(number, action).tries() == 0;
+        let number = model.meet(&percept(here));
+        let is_new = model.outcomes(number, action).tries() == 0;
         let reward = if there.is_none() { 999.0 } else { -1.0 };
         let step = Transition {
             percept: percept(here),
@@ -29,12 +29,12 @@ fn updates_of_noise(steps: usize) -> (PlannedValues, Vec<(bool, usize)>) {
             reward,
             next: there.map(percept),
         };
-        memory.learn(&step, 1);
-        let next = there.map(|next| memory.meet(&percept(next)));
-        known.learn(&memory, (number, action), next);
+        model.learn(&step, 1);
+        let next = there.map(|next| model.meet(&percept(next)));
+        known.learn(&model, (number, action), next);
         here = there.unwrap_or(0);
         let updated = known.touched.len();
-        known.news(&memory);
+        known.news(&model);
         (is_new, updated)
     });
     let updates = updates.collect();
@@ -65,14 +65,14 @@ fn waiting_updates_still_wait_after_a_resumption() {
     let (mut known, _) = updates_of_noise(step + 1);
     known.tidy();
     assert!(!known.queue.is_empty(), "control");
-    let mut memory = Transitions::default();
+    let mut model = Transitions::default();
     (0..PERCEPTS).for_each(|number| {
-        memory.meet(&Percept::from_word(number as u64, 8));
+        model.meet(&Percept::from_word(number as u64, 8));
     });
     let resumed = |known: &PlannedValues| {
         let read: PlannedValues = saved::read(&saved::bytes_of(known)).unwrap();
-        let resumed = read.resumed(&PlannedValues::new(4, &Params::default()), &memory);
-        (resumed.is_sound(&memory), resumed)
+        let resumed = read.resumed(&PlannedValues::new(4, &Params::default()), &model);
+        (resumed.is_valid(&model), resumed)
     };
     let (valid, mut other) = resumed(&known);
     assert!(valid && other.updates == known.updates);

@@ -61,13 +61,13 @@ impl MapSet {
 
     /// Returns true if looked-up percepts have observation errors.
     pub(super) fn has_noisy_percepts(&self) -> bool {
-        self.robot.vision == Vision::LookedUp && self.observation_error() > 0.0
+        self.robot.vision == Vision::GroundTruth && self.observation_error() > 0.0
     }
 
     /// Returns the observation error; 0 if looked-up percepts are treated as correct.
     pub(super) fn observation_error(&self) -> f64 {
         match self.robot.vision {
-            Vision::LookedUp if self.robot.observation_error < NEGLIGIBLE_ERROR => 0.0,
+            Vision::GroundTruth if self.robot.observation_error < NEGLIGIBLE_ERROR => 0.0,
             _ => self.robot.observation_error,
         }
     }
@@ -91,7 +91,7 @@ impl MapSet {
 /// Returns the least observation error that is assumed.
 pub(super) fn least_observation_error(vision: Vision) -> f64 {
     match vision {
-        Vision::LookedUp => LEAST_OBSERVATION_ERROR,
+        Vision::GroundTruth => LEAST_OBSERVATION_ERROR,
         Vision::Lidar => NEGLIGIBLE_ERROR,
     }
 }

@@ -1,5 +1,5 @@
 //! Data association with observation noise. It maximises the likelihood of all observations, summed over
-//! the possible states of the cells. A superfluous map costs the prior of its cells, and two goals on one
+//! the possible states of the cells. A redundant map costs the prior of its cells, and two goals on one
 //! map cost their contradictions.
 
 use crate::agent::estimator::map::association::{Alignment, align};

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::model::ReturnRule;
+use crate::agent::model::InverseActionRule;
 use crate::agent::model::slips::Slips;
 use crate::agent::model::tally::Tally;
 use crate::agent::model::transitions::Transitions;
@@ -18,7 +18,7 @@ const LEAST_ACCURACY: f64 = 0.9;
 
 /// For each turn from one action to the next, how often it led back.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(in crate::agent) struct ReturnRules {
+pub(in crate::agent) struct InverseActionRules {
     #[serde(skip)]
     actions: usize,
     /// By turn: how often it led back (hits), and how often elsewhere (misses).
@@ -28,7 +28,7 @@ pub(in crate::agent) struct ReturnRules {
     least_accuracy: f64,
 }
 
-impl ReturnRules {
+impl InverseActionRules {
     /// Creates an untrained rule set for `actions` actions.
     pub fn new(actions: usize) -> Self {
         Self {
@@ -39,7 +39,7 @@ impl ReturnRules {
     }
 
     /// Adds rules from another world.
-    pub fn bring(&mut self, rules: &[ReturnRule]) {
+    pub fn warm_start(&mut self, rules: &[InverseActionRule]) {
         for rule in rules {
             let (hits, misses) = (rule.hits, rule.misses);
             self.counts[rule.turn.index()] = Tally { hits, misses };
@@ -59,8 +59,8 @@ impl ReturnRules {
     }
 
     /// Returns true if the counts leave room for more.
-    pub fn is_sound(&self) -> bool {
-        self.counts.iter().all(|tally| tally.is_sound())
+    pub fn is_valid(&self) -> bool {
+        self.counts.iter().all(|tally| tally.is_valid())
     }
 
     /// Learns whether `next`, executed right after a move by `first`, led back. Returns true if the set
@@ -79,9 +79,9 @@ impl ReturnRules {
 
     /// Returns the percept to which an action is predicted to lead back. `before` holds the pairs that
     /// led to the current percept.
-    pub fn way_back(
+    pub fn predicted_return(
         &self,
-        memory: &Transitions,
+        model: &Transitions,
         before: &[(usize, Action)],
         (percept, action): (usize, Action),
     ) -> Option<usize> {
@@ -89,16 +89,16 @@ impl ReturnRules {
         let leads_back = |&&(from, there): &&(usize, Action)| {
             from != percept
                 && self.undoes(there, action)
-                && memory.next(from, there) == Some(percept)
+                && model.next(from, there) == Some(percept)
         };
         before.find(leads_back).map(|&(from, _)| from)
     }
 
     /// Returns the rules in use.
-    pub fn rules(&self) -> impl Iterator<Item = ReturnRule> {
+    pub fn rules(&self) -> impl Iterator<Item = InverseActionRule> {
         let turns = Action::all(self.actions).zip(self.counts.iter());
         let used = turns.filter(|&(_, &count)| self.is_used(count));
-        used.map(|(turn, &Tally { hits, misses })| ReturnRule { turn, hits, misses })
+        used.map(|(turn, &Tally { hits, misses })| InverseActionRule { turn, hits, misses })
     }
 
     fn is_used(&self, Tally { hits, misses }: Tally) -> bool {
@@ -115,20 +115,20 @@ fn turn(first: Action, next: Action, actions: usize) -> usize {
 mod tests {
     use super::*;
 
-    fn undoing(rules: &ReturnRules, first: usize) -> Vec<usize> {
+    fn undoing(rules: &InverseActionRules, first: usize) -> Vec<usize> {
         let first = Action::new(first).unwrap();
         let undoing = Action::all(4).filter(|&next| rules.undoes(first, next));
         undoing.map(Action::index).collect()
     }
 
-    fn learn(rules: &mut ReturnRules, [first, next]: [usize; 2], back: bool) {
+    fn learn(rules: &mut InverseActionRules, [first, next]: [usize; 2], back: bool) {
         let [first, next] = [first, next].map(|number| Action::new(number).unwrap());
         rules.learn(first, next, back);
     }
 
     #[test]
     fn going_back_twice_in_any_direction_is_enough_to_use_the_rule() {
-        let mut rules = ReturnRules::new(4);
+        let mut rules = InverseActionRules::new(4);
         learn(&mut rules, [0, 2], true);
         assert!(undoing(&rules, 0).is_empty());
         learn(&mut rules, [3, 1], true);
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_turn_that_often_leads_elsewhere_is_not_used() {
-        let mut rules = ReturnRules::new(4);
+        let mut rules = InverseActionRules::new(4);
         for back in [true, true, false, true] {
             learn(&mut rules, [0, 2], back);
         }

@@ -25,7 +25,7 @@ pub(in crate::agent) struct Candidate {
 
 /// The collision model of one action, or of all actions in a common frame.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub(in crate::agent) struct Bumps {
+pub(in crate::agent) struct CollisionCandidates {
     /// By percept, how often the action bumped (hits) and moved (misses).
     evidence: BTreeMap<Percept, Tally>,
     candidates: Vec<Candidate>,
@@ -35,7 +35,7 @@ pub(in crate::agent) struct Bumps {
     margin: u32,
 }
 
-impl Bumps {
+impl CollisionCandidates {
     /// Returns the candidates.
     pub fn candidates(&self) -> &[Candidate] {
         &self.candidates
@@ -47,10 +47,10 @@ impl Bumps {
     }
 
     /// Returns true if the counts of a model read from a file leave room for more.
-    pub fn is_sound(&self) -> bool {
-        let evidence = self.evidence.values().all(|tally| tally.is_sound());
+    pub fn is_valid(&self) -> bool {
+        let evidence = self.evidence.values().all(|tally| tally.is_valid());
         let mut candidates = self.candidates.iter();
-        evidence && candidates.all(|c| c.tally.is_sound())
+        evidence && candidates.all(|c| c.tally.is_valid())
     }
 
     /// Learns that the action bumped or moved. Returns true if a forecast changes.

@@ -11,7 +11,7 @@ use xcs::{Action, Percept};
 
 /// Two or more free cells, none of them a goal, with the same percept (perceptually aliased).
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Alike {
+pub struct AliasedCells {
     /// The percept in each of the cells.
     pub percept: Percept,
     /// The cells in reading order.
@@ -26,23 +26,23 @@ pub struct Alike {
 
 impl Sensor {
     /// Returns the groups of perceptually aliased cells, ordered by percept.
-    pub fn alike(self, maze: &Maze) -> Vec<Alike> {
-        alike_among(self, maze, &Paths::new(maze), maze.free_cells())
+    pub fn aliased_cells(self, maze: &Maze) -> Vec<AliasedCells> {
+        aliased_among(self, maze, &Paths::new(maze), maze.free_cells())
     }
 }
 
 /// Returns the groups of perceptually aliased cells among `cells`, which must be in reading order.
-pub fn alike_among(
+pub fn aliased_among(
     sensor: Sensor,
     maze: &Maze,
     paths: &Paths,
     cells: impl Iterator<Item = Cell>,
-) -> Vec<Alike> {
+) -> Vec<AliasedCells> {
     if sensor.tells_all_apart() {
         return Vec::new();
     }
     let mut numbers: HashMap<Percept, usize, FixedState> = HashMap::default();
-    let mut groups: Vec<Alike> = Vec::new();
+    let mut groups: Vec<AliasedCells> = Vec::new();
     // In a hall, most cells have the same percept as the previous one.
     let mut before: Option<(Percept, usize)> = None;
     for cell in cells.filter(|&cell| !maze.is_goal(cell)) {
@@ -54,7 +54,7 @@ pub fn alike_among(
         );
         before = Some((percept, number));
         if number == groups.len() {
-            groups.push(Alike::of(percept, maze.action_count()));
+            groups.push(AliasedCells::of(percept, maze.action_count()));
         }
         groups[number].add(cell, |action| paths.successor(maze, cell, action).is_some());
     }
@@ -63,7 +63,7 @@ pub fn alike_among(
     groups
 }
 
-impl Alike {
+impl AliasedCells {
     /// Creates a group without cells.
     fn of(percept: Percept, actions: usize) -> Self {
         Self {
@@ -85,9 +85,9 @@ impl Alike {
 mod tests {
     use super::*;
 
-    fn groups(sensor: Sensor, rows: [&str; 3]) -> Vec<Alike> {
+    fn groups(sensor: Sensor, rows: [&str; 3]) -> Vec<AliasedCells> {
         let text = format!(r#"{{"rows": {rows:?}}}"#);
-        sensor.alike(&Maze::from_json(text.as_bytes(), "test.json").unwrap())
+        sensor.aliased_cells(&Maze::from_json(text.as_bytes(), "test.json").unwrap())
     }
 
     const CORRIDOR: [&str; 3] = ["#########", "#...G...#", "#########"];
