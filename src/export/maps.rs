@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::policy::{MOST_STATES, nothing_learned};
-use crate::agent::{Map, pomdp::GOAL};
+use crate::agent::{GOAL, Map};
 use crate::error::{Error, ErrorKind};
 use xcs::Action;
 

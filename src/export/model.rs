@@ -7,7 +7,7 @@ use super::maps::MapTable;
 use super::policy::{Policy, Size};
 use super::provenance::{Facts, Robot};
 use super::rays::{self, Ray};
-use crate::agent::pomdp::NEGLIGIBLE;
+use crate::agent::NEGLIGIBLE_PROBABILITY;
 use crate::agent::{BEGUN_ELSEWHERE, Demand, MISLOCALISED, PERCEPT_BITS, Part, demands};
 use crate::disk;
 use crate::world::Maze;
@@ -228,8 +228,8 @@ impl TrackerModel {
             ignores_collisions: maps.unfelt,
             mislocalised: MISLOCALISED,
             begun_elsewhere: BEGUN_ELSEWHERE,
-            negligible: NEGLIGIBLE,
-            negligible_one_in: (1.0 / NEGLIGIBLE).round() as u32,
+            negligible: NEGLIGIBLE_PROBABILITY,
+            negligible_one_in: (1.0 / NEGLIGIBLE_PROBABILITY).round() as u32,
         }
     }
 }

@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::pomdp::MOST_BELIEFS;
+use crate::agent::MOST_BELIEFS;
 use crate::study::own::Agents;
 use crate::study::protocol::Protocol;
 use crate::trial::{Compacted, Config, Evaluation, GreedySteps, Plan, Progress, Trial};

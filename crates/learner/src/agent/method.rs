@@ -2,15 +2,13 @@
 
 use strum::{IntoStaticStr, VariantArray};
 
-use crate::agent::composed::Composed;
+use crate::agent::composed::{Composed, MapLearner, PerceptLearner};
+use crate::agent::credit::{Combined, Standard};
 use crate::agent::estimator::map::Vision;
-use crate::agent::map_learner::MapLearner;
-use crate::agent::percept_learner::PerceptLearner;
 use crate::agent::policy::PolicyKind;
-use crate::agent::tabular::Algorithm;
+use crate::agent::tabular::{Algorithm, Tabular};
 use crate::agent::{
-    Agent, Combined, Estimator, Knowledge, MapParams, Params, PlusParams, Sharing, Standard,
-    Tabular, TabularParams,
+    Agent, Estimator, Knowledge, MapParams, Params, PlusParams, Sharing, TabularParams,
 };
 use xcs::Xcs;
 use xcs::random::Stream;

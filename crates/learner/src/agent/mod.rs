@@ -1,52 +1,44 @@
-//! Learners: an [`Agent`] decides which rules are credited, with what, and when.
+//! Learners. An [`Agent`] chooses actions and learns from their outcomes; [`Method`] names all agents.
 //!
-//! [`Method`] is the closed set of agents, by their names on the command line. `credit/` has standard XCS and the
-//! paper's mechanisms, one file each. `xcscr-plus` and `r-max` are compositions (`composed`) of a state estimator, a
-//! model (`model/`), a planner and a policy (`policy/`). [`EnvironmentLearner`] is `xcscr-plus` on any environment with
-//! discrete percepts. `tabular/` has the baselines with a table. All reward
-//! numbers are defined here.
+//! * `credit/`: the XCS family, one mechanism a file, and all reward numbers ([`Params`]).
+//! * `estimator/`: the state is the percept, or a cell of a learned map, tracked by a Bayes filter.
+//! * `model/`: what follows an action. Counted transitions, rules that generalise them, and a POMDP.
+//! * `planner/`: prioritised sweeping over percepts, RTDP-Bel over beliefs, and exploration for both.
+//! * `policy/`: distilled rules, a plan, or random exploration.
+//! * `composed/`: `xcscr-plus` and `r-max`, made of an estimator, a model, a planner and a policy.
+//! * `tabular/`: the baselines with a table.
+//! * `knowledge/`: the form of what was learned, its checkpoint, and an agent that only follows it.
+//!
+//! A folder uses only those above it in the order model, estimator, planner, policy, composed.
 
-mod choice;
 mod composed;
 mod credit;
-mod environment_learner;
-mod estimator;
-mod explorer;
-mod frozen;
+pub(crate) mod estimator;
 mod knowledge;
-mod map_learner;
-mod saved;
 mod method;
-mod model;
-mod params;
-mod percept_learner;
-mod planner;
-mod plus_params;
-pub mod pomdp;
+pub(crate) mod model;
+pub(crate) mod planner;
 mod policy;
-mod power;
 mod tabular;
 
-pub use choice::{Choice, Chosen, DecisionSource};
-use credit::{Combined, Standard};
-pub use environment_learner::{EnvironmentLearner, EnvironmentParams};
+pub use composed::{EnvironmentLearner, EnvironmentParams, PlusParams};
+pub use credit::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
+pub use estimator::Estimator;
+pub use estimator::belief::NEGLIGIBLE_PROBABILITY;
 pub use estimator::map::{
     BEGUN_ELSEWHERE, CONTEXT_BITS, MISLOCALISED, Map, MapParams, MotionPrior, PERCEPT_BITS,
 };
-pub use explorer::Explorer;
-pub use frozen::Frozen;
-pub use knowledge::Knowledge;
-pub use knowledge::Misfit;
+pub use knowledge::{Frozen, Knowledge, Misfit, RestoreError};
 pub use method::{Method, Setup};
+pub use model::pomdp::GOAL;
+pub use model::power::power;
 pub use model::{CollisionRule, Generalisation, InverseActionRule};
-pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
-pub use plus_params::{Estimator, PlusParams};
+pub use planner::rtdp_bel::MOST_BELIEFS;
+pub use policy::choice::{Choice, Chosen, DecisionSource};
 pub use policy::contexts::contexts;
 pub(crate) use policy::demands::words as context_words;
 pub use policy::demands::{Demand, Part, demands};
-pub use power::power;
-pub use saved::RestoreError;
-use tabular::Tabular;
+pub use policy::explorer::Explorer;
 pub use tabular::TabularParams;
 
 use xcs::{Action, Condition, Percept, PredictionArray};

@@ -13,11 +13,11 @@ use crate::agent::credit::learning_rate::LearningRate;
 use crate::agent::credit::short_term_filter::ShortTermFilter;
 use crate::agent::credit::step_threshold::StepThreshold;
 
+use crate::agent::credit::params::Params;
 use crate::agent::credit::stack::{RewardStack, Shares};
 use crate::agent::credit::step_credit;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::params::Params;
-use crate::agent::saved::{self, RestoreError};
+use crate::agent::knowledge::saved::{self, RestoreError};
 use crate::agent::{Agent, EndCredit, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Percept};

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::agent::credit::params::Params;
 use crate::agent::credit::stack::Shares;
-use crate::agent::params::Params;
 use xcs::Xcs;
 use xcs::random::Stream;
 use xcs::{Action, Percept};

@@ -1,6 +1,6 @@
 //! The learning-rate switching mechanism (paper, section III-C).
 
-use crate::agent::params::Params;
+use crate::agent::credit::params::Params;
 
 /// The learning rates for collisions and for the ends of episodes.
 #[derive(Debug, Clone)]

@@ -4,12 +4,14 @@ mod combined;
 mod experts;
 mod imprinting;
 mod learning_rate;
+pub mod params;
 mod short_term_filter;
 mod stack;
 mod standard;
 mod step_threshold;
 
 pub use combined::Combined;
+pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
 pub use standard::Standard;
 
 use crate::agent::StepCredit;

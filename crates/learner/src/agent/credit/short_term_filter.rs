@@ -1,6 +1,6 @@
 //! The short-term reward filter (Alg. 1).
 
-use crate::agent::params::Params;
+use crate::agent::credit::params::Params;
 use xcs::{ActionSet, Xcs};
 
 /// Applies severe short-term rewards at once, and only to the rules that caused them.

@@ -1,6 +1,6 @@
 //! The reward stack \[R\], and the sharing of a long-term reward along it.
 
-use crate::agent::params::{Params, Sharing, StackEvolution};
+use crate::agent::credit::params::{Params, Sharing, StackEvolution};
 use xcs::{Action, Percept};
 use xcs::{ActionSet, Xcs};
 

@@ -1,10 +1,10 @@
 //! Standard XCS and XCSAM: the reward propagates back one step at a time, as in Q-learning.
 
+use crate::agent::credit::params::{Params, StepLimitUpdate, XcsPayment};
 use crate::agent::credit::step_credit;
-use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::params::{Params, StepLimitUpdate, XcsPayment};
-use crate::agent::saved::{self, RestoreError};
+use crate::agent::knowledge::saved::{self, RestoreError};
+use crate::agent::policy::explorer::Explorer;
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit};
 use xcs::{Action, Percept};
 use xcs::{ActionSet, MatchSet, PredictionArray, Xcs};

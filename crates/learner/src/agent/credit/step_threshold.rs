@@ -1,6 +1,6 @@
 //! The learning step-threshold mechanism (Eq. 10).
 
-use crate::agent::params::Params;
+use crate::agent::credit::params::Params;
 
 /// The maximum number of steps of an episode. It shrinks toward the lengths of successful episodes.
 #[derive(Debug, Clone)]

@@ -7,7 +7,7 @@ use crate::agent::model::slips::each_other;
 use xcs::Action;
 
 /// States less likely than this are dropped.
-pub const NEGLIGIBLE: f64 = 1e-4;
+pub const NEGLIGIBLE_PROBABILITY: f64 = 1e-4;
 
 /// States in ascending order with their probabilities, which sum to 1. Empty if nothing is known.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -149,7 +149,7 @@ impl Belief {
 
     fn normalised(mut self) -> Self {
         let sum: f64 = self.0.iter().map(|one| one.1).sum();
-        self.0.retain(|one| one.1 > NEGLIGIBLE * sum);
+        self.0.retain(|one| one.1 > NEGLIGIBLE_PROBABILITY * sum);
         let sum: f64 = self.0.iter().map(|one| one.1).sum();
         self.0.iter_mut().for_each(|one| one.1 /= sum);
         self

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::agent::model::power::power;
 use crate::agent::model::tally::{Tally, verdict};
-use crate::agent::power;
 use xcs::Condition;
 use xcs::Percept;
 

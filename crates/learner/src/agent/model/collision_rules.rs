@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::agent::model::CollisionRule;
 use crate::agent::model::collision_candidates::CollisionCandidates;
+use crate::agent::model::power::power;
 use crate::agent::model::tally::Tally;
-use crate::agent::power;
 use xcs::{Action, ByAction, Percept};
 
 /// A collision predicted with more certainty than this counts as certain. Far from the goal, even a small

@@ -5,6 +5,7 @@ pub(super) mod collision_rules;
 mod generalisation;
 mod outcomes;
 pub mod pomdp;
+pub mod power;
 pub mod rewards;
 pub(super) mod inverse_action_rules;
 pub(super) mod slips;

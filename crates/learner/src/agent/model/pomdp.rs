@@ -1,12 +1,10 @@
 //! A known maze with an uncertain robot position: a partially observable Markov decision process whose
 //! moves may slip (Kaelbling, Littman and Cassandra 1998).
 //!
-//! [`Pomdp`] holds the transitions and percepts, [`Belief`] the probability of each state, and
-//! [`BeliefPlanner`] the expected costs of actions.
+//! The estimator tracks the probability of each state, and the planner computes the expected costs of actions.
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::estimator::belief::Belief;
 use crate::agent::model::rewards::RewardModel;
 use crate::agent::model::slips::each_other;
 use xcs::{Action, MAX_ACTIONS, Percept};
@@ -111,11 +109,6 @@ impl Pomdp {
     pub fn aliased(&self, look: u32) -> impl Iterator<Item = u32> + '_ {
         let states = 0..self.states() as u32;
         states.filter(move |&state| self.look(state) == look)
-    }
-
-    /// Returns the belief at the beginning of an episode that starts anywhere with this percept.
-    pub fn first_belief(&self, look: u32) -> Belief {
-        Belief::even(self.aliased(look))
     }
 
     /// Returns true if all numbers are valid.

@@ -6,9 +6,9 @@ use std::collections::BinaryHeap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::agent::credit::params::Params;
 use crate::agent::model::collision_rules::CollisionRules;
 use crate::agent::model::transitions::Transitions;
-use crate::agent::params::Params;
 use crate::agent::planner::sweeping::PlannedValues;
 use xcs::random::Stream;
 use xcs::{Action, MAX_ACTIONS};

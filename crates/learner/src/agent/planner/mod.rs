@@ -3,4 +3,5 @@
 pub mod exploration;
 pub mod frontier;
 pub mod rtdp_bel;
+mod simulation;
 pub mod sweeping;

@@ -9,10 +9,10 @@ use std::collections::BinaryHeap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::agent::credit::params::Params;
 use crate::agent::model::InverseActionRule;
 use crate::agent::model::inverse_action_rules::InverseActionRules;
 use crate::agent::model::transitions::Transitions;
-use crate::agent::params::Params;
 use xcs::LabelledExample;
 use xcs::{Action, ByAction};
 

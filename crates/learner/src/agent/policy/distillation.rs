@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 
 use crate::agent::estimator::map::state_map::Map;
 use crate::agent::estimator::map::tracker::{PARTS, Tracker, View};
-use crate::agent::explorer::exploit;
 use crate::agent::planner::rtdp_bel::{BeliefPlanner, MOST_SIMULATED_STEPS};
 use crate::agent::policy::examples::{Example, Examples, Walker};
+use crate::agent::policy::explorer::exploit;
 use crate::agent::policy::rollouts::roll_out;
 use xcs::random::Stream;
 use xcs::{

@@ -1,9 +1,12 @@
 //! Policies: the choice of actions when nothing is left to explore.
 
+pub mod choice;
 pub mod contexts;
-pub mod distillation;
 pub mod demands;
+pub mod distillation;
 pub mod examples;
+pub mod explorer;
+pub mod map_rules;
 pub mod plan;
 pub mod rollouts;
 mod rules;

@@ -3,9 +3,9 @@
 use crate::agent::estimator::map::place::{CellState, around, percept_of};
 use crate::agent::estimator::map::state_map::Map;
 use crate::agent::estimator::map::tracker::Tracker;
-use crate::agent::explorer::exploit;
 use crate::agent::planner::rtdp_bel::{BeliefPlanner, MOST_SIMULATED_STEPS};
 use crate::agent::policy::examples::Walker;
+use crate::agent::policy::explorer::exploit;
 use xcs::random::Stream;
 use xcs::{Percept, Population};
 

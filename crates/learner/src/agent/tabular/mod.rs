@@ -13,11 +13,11 @@ use serde::{Deserialize, Serialize};
 use table::{Rows, Table};
 use traces::Traces;
 
-use crate::agent::explorer::Explorer;
+use crate::agent::credit::params::Params;
 use crate::agent::knowledge::Knowledge;
+use crate::agent::knowledge::saved::{self, RestoreError};
 use crate::agent::model::transitions::{Transition, Transitions};
-use crate::agent::params::Params;
-use crate::agent::saved::{self, RestoreError};
+use crate::agent::policy::explorer::Explorer;
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit};
 use xcs::PredictionArray;
 use xcs::random::Stream;

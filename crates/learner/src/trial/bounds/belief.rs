@@ -4,7 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::agent::pomdp::{GOAL, Pomdp};
+use crate::agent::model::pomdp::{GOAL, Pomdp};
 use xcs::Action;
 
 /// States in ascending order, with equal percepts. A state can occur several times.

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::{Estimate, MOST_STEPS};
-use crate::agent::pomdp::{GOAL, Pomdp};
+use crate::agent::model::pomdp::{GOAL, Pomdp};
 use xcs::Action;
 
 /// The maximum number of partial policies that are searched.

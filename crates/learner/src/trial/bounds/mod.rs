@@ -6,7 +6,9 @@ mod memoryless;
 
 use serde::Serialize;
 
-use crate::agent::pomdp::{Belief, BeliefPlanner, GOAL, Pomdp, moved};
+use crate::agent::estimator::belief::Belief;
+use crate::agent::model::pomdp::{GOAL, Pomdp};
+use crate::agent::planner::rtdp_bel::{BeliefPlanner, moved};
 use xcs::Action;
 use xcs::random::Stream;
 use xcscr_robot::sensor::Sensor;

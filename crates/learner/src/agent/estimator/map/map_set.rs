@@ -9,6 +9,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use serde::{Deserialize, Serialize};
 
+use crate::agent::credit::params::Params;
 use crate::agent::estimator::map::association::{Alignment, align};
 use crate::agent::estimator::map::bump::Bump;
 use crate::agent::estimator::map::cell_counts::CellCounts;
@@ -21,7 +22,6 @@ use crate::agent::estimator::map::place::{Place, Surroundings, Vision};
 use crate::agent::estimator::map::robot_model::{MapStep, RobotModel};
 use crate::agent::estimator::map::state_map::{MOST_MAPS, Map, MappedCells};
 use crate::agent::estimator::map::tracker::Felt;
-use crate::agent::params::Params;
 
 /// The number of stored episodes, from which the maps are re-estimated.
 const KEPT_EPISODES: usize = 100;

@@ -3,13 +3,13 @@
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
 
+use crate::agent::credit::params::Params;
 use crate::agent::estimator::belief::Belief;
 use crate::agent::estimator::map::cell_counts::{CellCounts, FURTHEST};
 use crate::agent::estimator::map::place::{CellState, Place, Vision, offset, percept_of};
 use crate::agent::estimator::map::reward_map::RewardMap;
 use crate::agent::model::pomdp::{GOAL, Pomdp};
 use crate::agent::model::rewards::RewardModel;
-use crate::agent::params::Params;
 use xcs::{Action, Percept};
 
 /// The maximum number of maps, one per distinguishable goal.
@@ -224,7 +224,7 @@ impl Map {
     pub fn first_belief(&self, start: u32) -> Belief {
         match self.begin {
             Some(_) => Belief::even([start]),
-            None => self.pomdp.first_belief(self.pomdp.look(start)),
+            None => Belief::even(self.pomdp.aliased(self.pomdp.look(start))),
         }
     }
 

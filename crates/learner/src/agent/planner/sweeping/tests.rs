@@ -1,8 +1,8 @@
 //! Limits on updates per step, and waiting updates.
 
+use crate::agent::knowledge::saved;
 use crate::agent::model::transitions::Transition;
 use crate::agent::planner::sweeping::*;
-use crate::agent::saved;
 use xcs::Percept;
 use xcs::random::Stream;
 use xcscr_robot::streams::StreamName;

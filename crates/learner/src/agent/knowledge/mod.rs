@@ -1,4 +1,10 @@
-//! Learned knowledge.
+//! Learned knowledge, its checkpoints, and an agent that follows it without learning.
+
+mod frozen;
+pub(super) mod saved;
+
+pub use frozen::Frozen;
+pub use saved::RestoreError;
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -42,7 +48,7 @@ pub enum Knowledge {
 
 impl Knowledge {
     /// Returns what an XCS has learned.
-    pub(super) fn of(xcs: &Xcs) -> Self {
+    pub(in crate::agent) fn of(xcs: &Xcs) -> Self {
         let rules = xcs.population().clone();
         match xcs.params().value_over_match_set {
             true => Self::RulesOverMatchSet(rules),
@@ -52,7 +58,7 @@ impl Knowledge {
 
     /// Initialises an XCS with the rules; `false` if there are no rules with conditions on
     /// percepts.
-    pub(super) fn initialise(&self, xcs: &mut Xcs) -> bool {
+    pub(in crate::agent) fn initialise(&self, xcs: &mut Xcs) -> bool {
         let rules = self.rules().filter(|_| !self.remembers());
         rules.map(|rules| xcs.start_from(rules)).is_some()
     }
@@ -126,7 +132,7 @@ impl Knowledge {
     }
 
     /// Returns the map, if there is one.
-    pub(super) fn map(&self) -> Option<&Map> {
+    fn map(&self) -> Option<&Map> {
         match self {
             Self::MapRules { map, .. } => Some(map),
             Self::Planned(plan) => Some(&plan.map),

@@ -17,12 +17,12 @@ pub enum RestoreError {
 }
 
 /// Serialises the learned state. Settings are not included; the caller that resumes has them.
-pub(super) fn bytes_of(state: &impl Serialize) -> Vec<u8> {
+pub(in crate::agent) fn bytes_of(state: &impl Serialize) -> Vec<u8> {
     postcard::to_allocvec(state).expect("a learner is plain data and a vector has room")
 }
 
 /// Deserialises a learned state.
-pub(super) fn read<T: DeserializeOwned>(saved: &[u8]) -> Result<T, RestoreError> {
+pub(in crate::agent) fn read<T: DeserializeOwned>(saved: &[u8]) -> Result<T, RestoreError> {
     let (state, rest) = postcard::take_from_bytes(saved)
         .map_err(|fault| RestoreError::Unreadable(fault.to_string()))?;
     match rest.is_empty() {
@@ -34,7 +34,7 @@ pub(super) fn read<T: DeserializeOwned>(saved: &[u8]) -> Result<T, RestoreError>
 }
 
 /// Returns the method if its state fits.
-pub(super) fn accept(
+pub(in crate::agent) fn accept(
     method: impl Agent + 'static,
     fits: bool,
 ) -> Result<Box<dyn Agent>, RestoreError> {

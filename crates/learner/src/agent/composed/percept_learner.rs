@@ -11,15 +11,15 @@
 
 use std::collections::BTreeMap;
 
-use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
+use crate::agent::knowledge::saved::{self, RestoreError};
 use crate::agent::model::Generalisation;
 use crate::agent::model::collision_rules::CollisionRules;
 use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::planner::exploration::{Exploration, Inputs};
 use crate::agent::planner::sweeping::PlannedValues;
+use crate::agent::policy::explorer::Explorer;
 use crate::agent::policy::{PolicyKind, RulePolicy};
-use crate::agent::saved::{self, RestoreError};
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Params, PlusParams, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Percept, PredictionArray, Xcs};

@@ -77,7 +77,7 @@ impl Explorer {
 }
 
 /// Returns one of the best actions, or any action if no value is known. Ties are broken at random.
-pub(super) fn exploit(values: &PredictionArray, stream: &mut Stream) -> Action {
+pub fn exploit(values: &PredictionArray, stream: &mut Stream) -> Action {
     match values.greatest() {
         Some(_) => among(values.best_actions(), stream),
         None => among(Action::all(values.as_slice().len()), stream),

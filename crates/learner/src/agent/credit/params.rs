@@ -119,7 +119,7 @@ settings! {
 impl Params {
     /// Returns the parameters without the four mechanisms of XCSCR: XCS adapted to robots (Williams
     /// et al.). One reward at the end is shared among all \[A\] of the episode (Eq. 7 with 8 or 9).
-    pub(super) fn adapted(self, sharing: Sharing) -> Self {
+    pub(in crate::agent) fn adapted(self, sharing: Sharing) -> Self {
         Self {
             sharing,
             short_term_filter: false,

@@ -6,27 +6,24 @@
 //! rules are distilled from the simulated decisions and from those made while driving ([`Distillation`]).
 //! Frontier exploration ([`LocalMap`]) takes whole episodes, with decreasing frequency.
 
-mod planning;
-mod policy;
-
 use serde::{Deserialize, Serialize};
 
-use super::estimator::aliasing::Aliasing;
-use super::estimator::map::map_set::MapSet;
-use super::estimator::map::robot_model::MapStep;
-use super::estimator::map::tracker::{CONTEXT_BITS, Felt, Tracker};
-use super::estimator::map::{Map, MapParams, Vision};
-use super::explorer::Explorer;
-use super::knowledge::Knowledge;
-use super::planner::frontier::LocalMap;
-use super::planner::rtdp_bel::BeliefPlanner;
-use super::policy::PolicyKind;
-use super::policy::examples::Examples;
-use super::policy::plan::{BeliefPlan, plan_for};
-use super::saved::{self, RestoreError};
-use super::{Agent, Choice, DecisionSource, EndCredit, Params, StepCredit};
+use crate::agent::estimator::aliasing::Aliasing;
+use crate::agent::estimator::map::map_set::MapSet;
+use crate::agent::estimator::map::robot_model::MapStep;
+use crate::agent::estimator::map::tracker::{Felt, Tracker};
+use crate::agent::estimator::map::{Map, MapParams, Vision};
+use crate::agent::knowledge::Knowledge;
+use crate::agent::knowledge::saved::{self, RestoreError};
+use crate::agent::planner::frontier::LocalMap;
+use crate::agent::planner::rtdp_bel::BeliefPlanner;
+use crate::agent::policy::PolicyKind;
+use crate::agent::policy::explorer::Explorer;
+use crate::agent::policy::map_rules::MapRules;
+use crate::agent::policy::plan::{BeliefPlan, plan_for, planned_values};
+use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Params, StepCredit};
 use xcs::random::Stream;
-use xcs::{Action, Classifier, Percept, Population, PredictionArray};
+use xcs::{Action, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
 
 /// The number of first episodes that all explore: a single one maps only a path or two to a goal.
@@ -36,12 +33,10 @@ const ALL_EXPLORE: u32 = 5;
 const MANY_EXPLORE: u32 = 200;
 /// The initial episode number of a learner that starts with rules from another world.
 const EXPERIENCED: u32 = 6;
-/// The share of its steps that a rule set may lose to observation errors without a wider view.
-const TOLERATED: f64 = 0.03;
+
 /// Maps, a plan over beliefs about the robot's cell, and a policy.
 #[derive(Debug, Clone)]
 pub struct MapLearner {
-    policy: PolicyKind,
     xcs: xcs::Params,
     params: Params,
     actions: usize,
@@ -62,10 +57,8 @@ struct Learned {
     /// Evidence from the time before the first map.
     aliasing: Aliasing,
     planner: BeliefPlanner,
-    rules: Population,
-    /// The contexts met without exploration since the last change of the maps or, with exact moves, the
-    /// plan.
-    met: Examples,
+    /// The rules that choose; `None` if the plan does.
+    rules: Option<MapRules>,
     stream: Stream,
     /// The number of finished episodes; more for a learner that started with rules from another world.
     episodes: u32,
@@ -76,16 +69,16 @@ struct Learned {
 
 impl Learned {
     /// Returns true if this is a valid state for this number of actions.
-    fn is_valid(&self, actions: usize, has_rules: bool) -> bool {
-        let fits = |rule: &Classifier| {
-            rule.condition.width() == CONTEXT_BITS && rule.action.index() < actions
-        };
-        let mut met = self.met.iter();
+    fn is_valid(&self, actions: usize) -> bool {
+        let mut rules = self.rules.iter();
         self.maps.is_valid(actions)
             && self.local.is_valid()
-            && met.all(|(context, met)| context.width() == CONTEXT_BITS && met.is_valid())
-            && (has_rules || self.rules.is_empty())
-            && self.rules.rules().iter().all(fits)
+            && rules.all(|rules| rules.is_valid(actions))
+    }
+
+    /// Discards the contexts met while driving.
+    fn forget_contexts(&mut self) {
+        self.rules.iter_mut().for_each(MapRules::forget_contexts);
     }
 }
 
@@ -100,7 +93,6 @@ impl MapLearner {
         (policy, stream): (PolicyKind, Stream),
     ) -> Self {
         Self {
-            policy,
             xcs,
             params,
             actions,
@@ -108,8 +100,7 @@ impl MapLearner {
                 maps: MapSet::new(actions, vision, own),
                 aliasing: Aliasing::default(),
                 planner: BeliefPlanner::default(),
-                rules: Population::default(),
-                met: Examples::new(),
+                rules: (policy == PolicyKind::Rules).then(MapRules::default),
                 stream,
                 episodes: 0,
                 stale: false,
@@ -181,11 +172,56 @@ impl MapLearner {
         let map = learned.maps.map(&self.params);
         if !map.has_same_states(&self.map) {
             learned.planner = BeliefPlanner::new(&map.pomdp);
-            learned.met.clear();
+            learned.forget_contexts();
             learned.stale = true;
         }
         learned.stale |= (map.observation_error > 0.0) != (self.map.observation_error > 0.0);
         self.map = map;
+    }
+
+    /// Plans, and corrects the policy if the plan changed or the rules were wrong.
+    fn plan(&mut self) {
+        let (map, learned) = (&self.map, &mut self.learned);
+        let Learned {
+            planner, stream, ..
+        } = learned;
+        if planner.plan(map, learned.episodes, stream) {
+            learned.stale = true;
+            if map.pomdp.slip() == 0.0 {
+                learned.forget_contexts();
+            }
+        }
+        if std::mem::take(&mut learned.stale) {
+            let (planner, stream) = (&mut learned.planner, &mut learned.stream);
+            match &mut learned.rules {
+                Some(rules) => rules.distil(map, planner, &self.xcs, stream),
+                None => planner.settle_all(map),
+            }
+        }
+    }
+
+    /// Returns the policy's action values for a belief and the latest steps.
+    fn values_of(&self, tracker: &Tracker) -> PredictionArray {
+        let (map, actions) = (&self.map, self.actions);
+        match &self.learned.rules {
+            Some(rules) => rules.values(&tracker.context(map), actions),
+            None => planned_values(&self.learned.planner, map, tracker, actions),
+        }
+    }
+
+    /// Records an action of the rules. Wrong rules are corrected at the end of the episode.
+    fn record(&mut self, action: Action) {
+        let explores = self.explores();
+        let Learned {
+            planner,
+            rules,
+            stale,
+            ..
+        } = &mut self.learned;
+        if let Some(rules) = rules.as_mut().filter(|_| !explores) {
+            let situation = (&self.map, &self.tracker);
+            *stale |= rules.meet(situation, action, planner, &self.xcs);
+        }
     }
 
     /// Learns from a step and the next percept (`None` at a goal) whether several cells share a percept.
@@ -217,7 +253,8 @@ impl MapLearner {
     /// When the bytes are damaged.
     pub fn resume(&mut self, saved: &[u8]) -> Result<bool, RestoreError> {
         let mut learned: Learned = saved::read(saved)?;
-        if !learned.is_valid(self.actions, self.policy == PolicyKind::Rules) {
+        let same_policy = learned.rules.is_some() == self.learned.rules.is_some();
+        if !(same_policy && learned.is_valid(self.actions)) {
             return Ok(false);
         }
         learned.maps = learned.maps.with_settings_of(&self.learned.maps);
@@ -236,6 +273,7 @@ impl Agent for MapLearner {
             maps,
             local,
             planner,
+            rules,
             ..
         } = &mut self.learned;
         let around = maps.robot().vision.around(percept);
@@ -244,7 +282,7 @@ impl Agent for MapLearner {
             maps.follow(last, Some(&around));
         }
         local.perceive(last, &around, maps.robot());
-        if self.policy == PolicyKind::Plan {
+        if rules.is_none() {
             plan_for(planner, &self.map, &self.tracker);
         }
         self.values_of(&self.tracker)
@@ -255,20 +293,23 @@ impl Agent for MapLearner {
         if self.explores() || values.greatest().is_none() {
             return Choice::new(self.explore(), DecisionSource::Planner);
         }
-        let source = match self.policy {
-            PolicyKind::Rules => DecisionSource::Rules,
-            PolicyKind::Plan => DecisionSource::Table,
+        let source = match self.learned.rules {
+            Some(_) => DecisionSource::Rules,
+            None => DecisionSource::Table,
         };
         Choice::new(explorer.exploit(values), source)
     }
 
-    /// Records the outcome of the action chosen after the last [`observe`](Self::observe). Wrong rules
-    /// are corrected at the end of the episode.
+    /// Records the outcome of the action chosen after the last [`observe`](Self::observe).
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let percept = self.percept.expect("`observe` comes before `update`");
-        let mut credit = self.matching(action);
-        credit.short_term_reward = self.params.short_term(outcome);
-        self.learned.stale |= self.meet(action);
+        let rules = self.learned.rules.as_ref();
+        let credit = rules.map(|rules| rules.credit(&self.tracker.context(&self.map), action));
+        let credit = StepCredit {
+            short_term_reward: self.params.short_term(outcome),
+            ..credit.unwrap_or_default()
+        };
+        self.record(action);
         self.tracker.act(action, outcome.into());
         self.steps.push(self.map_step(&percept, action, outcome));
         credit
@@ -283,13 +324,7 @@ impl Agent for MapLearner {
             self.learn_map(steps);
         }
         if !self.map.states.is_empty() {
-            self.learned.stale |= self.plan();
-            if std::mem::take(&mut self.learned.stale) {
-                match self.policy {
-                    PolicyKind::Rules => self.distil(),
-                    PolicyKind::Plan => self.settle(),
-                }
-            }
+            self.plan();
         }
         let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
         EndCredit::new(long_term_reward, 1.0)
@@ -305,12 +340,12 @@ impl Agent for MapLearner {
 
     fn knowledge(&self) -> Knowledge {
         let map = self.map.clone();
-        match self.policy {
-            PolicyKind::Rules => Knowledge::MapRules {
-                rules: self.learned.rules.clone(),
+        match &self.learned.rules {
+            Some(rules) => Knowledge::MapRules {
+                rules: rules.rules().clone(),
                 map,
             },
-            PolicyKind::Plan => {
+            None => {
                 let planner = self.learned.planner.clone();
                 Knowledge::Planned(BeliefPlan { map, planner })
             }
@@ -320,16 +355,16 @@ impl Agent for MapLearner {
     /// Starts from rules and maps of another world. Returns `false` if the plan is the policy: it is not
     /// transferred. With an unknown motion model, the rules are useless, and the maps help only later.
     fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
-        let (PolicyKind::Rules, Knowledge::MapRules { rules, map }) = (self.policy, knowledge)
+        let learned = &mut self.learned;
+        let (Some(own), Knowledge::MapRules { rules, map }) = (&mut learned.rules, knowledge)
         else {
             return false;
         };
-        let learned = &mut self.learned;
         learned.maps.warm_start(map);
         self.map = learned.maps.map(&self.params);
         learned.planner = BeliefPlanner::new(&self.map.pomdp);
         if learned.maps.robot().motion.are_certain() {
-            learned.rules = rules.without_records();
+            *own = MapRules::start_from(rules);
             learned.episodes = EXPERIENCED;
             // The rules may be wrong here.
             learned.stale = true;
@@ -343,9 +378,9 @@ impl Agent for MapLearner {
 
     /// Returns the number of rules, or of beliefs in the plan.
     fn rule_count(&self) -> usize {
-        match self.policy {
-            PolicyKind::Rules => self.learned.rules.len(),
-            PolicyKind::Plan => self.learned.planner.beliefs(),
+        match &self.learned.rules {
+            Some(rules) => rules.rules().len(),
+            None => self.learned.planner.beliefs(),
         }
     }
 

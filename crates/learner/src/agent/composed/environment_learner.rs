@@ -13,11 +13,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::agent::Params;
-use crate::agent::explorer::exploit;
+use crate::agent::knowledge::saved::{self, RestoreError};
 use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::planner::sweeping::PlannedValues;
 use crate::agent::policy::RulePolicy;
-use crate::agent::saved::{self, RestoreError};
+use crate::agent::policy::explorer::exploit;
 use xcs::bounds::{OutOfRange, within};
 use xcs::random::Stream;
 use xcs::{Action, LabelledExamples, Learned, MAX_ACTIONS, Percept, PredictionArray, Xcs};

@@ -1,21 +1,7 @@
 //! Parameters and switches of `xcscr-plus` and `r-max`.
 
-use serde::{Deserialize, Serialize};
-
+use crate::agent::estimator::Estimator;
 use xcs::settings;
-
-/// What represents the state.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Estimator {
-    /// The percept, until experience contradicts this; then the cell on a map.
-    #[default]
-    Auto,
-    /// The percept.
-    Percept,
-    /// The cell on a map that the learner builds.
-    Map,
-}
 
 settings! {
     section "plus";

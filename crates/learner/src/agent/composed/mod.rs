@@ -9,12 +9,20 @@
 //! * An auxiliary reward was collected, which is paid once.
 //! * No move slips, but the policy takes more steps than there are percepts.
 
-use crate::agent::explorer::Explorer;
+mod environment_learner;
+mod map_learner;
+mod params;
+mod percept_learner;
+
+pub use environment_learner::{EnvironmentLearner, EnvironmentParams};
+pub use map_learner::MapLearner;
+pub use params::PlusParams;
+pub use percept_learner::PerceptLearner;
+
+use crate::agent::estimator::Estimator;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::map_learner::MapLearner;
-use crate::agent::percept_learner::PerceptLearner;
-use crate::agent::plus_params::Estimator;
-use crate::agent::saved::{self, RestoreError};
+use crate::agent::knowledge::saved::{self, RestoreError};
+use crate::agent::policy::explorer::Explorer;
 use crate::agent::{Agent, Choice, EndCredit, StepCredit};
 use xcs::{Action, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
