@@ -13,7 +13,7 @@ use xcscr_robot::world::{Maze, WorldError};
 /// The magic bytes at the beginning of the file.
 const MAGIC: &[u8; 8] = b"xcscr\x1a\r\n";
 /// The version of the file format.
-const FORMAT: u32 = 12;
+const FORMAT: u32 = 13;
 /// The size of magic, format and length before the content. A checksum of `TAIL` bytes follows it.
 const HEAD: usize = MAGIC.len() + 4 + 8;
 const TAIL: usize = 4;

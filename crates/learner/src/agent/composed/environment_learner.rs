@@ -16,11 +16,11 @@ use crate::agent::Params;
 use crate::agent::knowledge::saved::{self, RestoreError};
 use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::planner::sweeping::PlannedValues;
-use crate::agent::policy::RulePolicy;
 use crate::agent::policy::explorer::exploit;
+use crate::agent::policy::{RulePolicy, RuleState};
 use xcs::bounds::{OutOfRange, within};
 use xcs::random::Stream;
-use xcs::{Action, LabelledExamples, Learned, MAX_ACTIONS, Percept, PredictionArray, Xcs};
+use xcs::{Action, MAX_ACTIONS, Percept, PredictionArray, Xcs};
 use xcscr_robot::streams::StreamName;
 
 /// Optimistic values must exceed the known values by this share of the value of an unknown pair ...
@@ -88,13 +88,15 @@ struct Progress {
     varies: bool,
 }
 
-/// The learned state of the model, both plans and the rules.
-type State = (
-    Transitions,
-    [PlannedValues; 2],
-    (Learned, LabelledExamples),
-    Progress,
-);
+/// What learning changes.
+#[derive(Serialize, Deserialize)]
+struct State {
+    model: Transitions,
+    known: PlannedValues,
+    optimistic: PlannedValues,
+    rules: RuleState,
+    progress: Progress,
+}
 
 /// Model, plan and rules over the percepts of any environment.
 ///
@@ -256,12 +258,13 @@ impl EnvironmentLearner {
 
     /// Returns the learned state, from which a learner with the same arguments continues exactly.
     pub fn checkpoint(&self) -> Vec<u8> {
-        saved::bytes_of(&(
-            &self.model,
-            [&self.known, &self.optimistic],
-            self.rules.state(),
-            &self.progress,
-        ))
+        saved::bytes_of(&State {
+            model: self.model.clone(),
+            known: self.known.clone(),
+            optimistic: self.optimistic.clone(),
+            rules: self.rules.state(),
+            progress: self.progress.clone(),
+        })
     }
 
     /// Continues from the state of a learner with the same arguments.
@@ -269,14 +272,14 @@ impl EnvironmentLearner {
     /// # Errors
     /// The state is damaged, or is from a learner with other arguments. Then nothing changes.
     pub fn restore(&mut self, saved: &[u8]) -> Result<(), RestoreError> {
-        let (model, [known, optimistic], rules, progress): State = saved::read(saved)?;
+        let state: State = saved::read(saved)?;
         let mut other = self.clone();
-        (other.model, other.progress) = (model, progress);
+        (other.model, other.progress) = (state.model, state.progress);
         other.require();
         other.assume();
-        other.known = known.resumed(&other.known, &other.model);
-        other.optimistic = optimistic.resumed(&other.optimistic, &other.model);
-        let fits = other.is_valid() && other.rules.resume(rules, other.model.percepts());
+        other.known = state.known.resumed(&other.known, &other.model);
+        other.optimistic = state.optimistic.resumed(&other.optimistic, &other.model);
+        let fits = other.is_valid() && other.rules.resume(state.rules, other.model.percepts());
         if !fits {
             return Err(RestoreError::Foreign);
         }

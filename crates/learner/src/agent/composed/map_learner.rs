@@ -14,7 +14,6 @@ use crate::agent::estimator::map::robot_model::MapStep;
 use crate::agent::estimator::map::tracker::{Felt, Tracker};
 use crate::agent::estimator::map::{Map, MapParams, Vision};
 use crate::agent::knowledge::Knowledge;
-use crate::agent::knowledge::saved::{self, RestoreError};
 use crate::agent::planner::frontier::LocalMap;
 use crate::agent::planner::rtdp_bel::BeliefPlanner;
 use crate::agent::policy::PolicyKind;
@@ -50,9 +49,9 @@ pub struct MapLearner {
     percept: Option<Percept>,
 }
 
-/// The state changed by learning. It is saved as it is.
+/// What learning changes. It is saved as it is.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Learned {
+pub struct Learned {
     maps: MapSet,
     /// Evidence from the time before the first map.
     aliasing: Aliasing,
@@ -247,20 +246,22 @@ impl MapLearner {
         self.learned.maps.notices_noise(&steps)
     }
 
-    /// Resumes from [`checkpoint`](Agent::checkpoint). Returns `false` if it was made with other settings.
-    ///
-    /// # Errors
-    /// When the bytes are damaged.
-    pub fn resume(&mut self, saved: &[u8]) -> Result<bool, RestoreError> {
-        let mut learned: Learned = saved::read(saved)?;
+    /// Returns the learned state.
+    pub fn state(&self) -> Learned {
+        self.learned.clone()
+    }
+
+    /// Continues from a state; `None` if it is damaged, or was made with other settings.
+    pub fn resumed(mut self, mut learned: Learned) -> Option<Self> {
         let same_policy = learned.rules.is_some() == self.learned.rules.is_some();
         if !(same_policy && learned.is_valid(self.actions)) {
-            return Ok(false);
+            return None;
         }
         learned.maps = learned.maps.with_settings_of(&self.learned.maps);
         self.map = learned.maps.map(&self.params);
         self.learned = learned;
-        Ok(self.learned.planner.belongs_to(&self.map.pomdp))
+        let fits = self.learned.planner.belongs_to(&self.map.pomdp);
+        fits.then_some(self)
     }
 }
 
@@ -382,9 +383,5 @@ impl Agent for MapLearner {
             Some(rules) => rules.rules().len(),
             None => self.learned.planner.beliefs(),
         }
-    }
-
-    fn checkpoint(&self) -> Vec<u8> {
-        saved::bytes_of(&self.learned)
     }
 }

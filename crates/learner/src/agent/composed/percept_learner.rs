@@ -11,15 +11,16 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::agent::knowledge::Knowledge;
-use crate::agent::knowledge::saved::{self, RestoreError};
 use crate::agent::model::Generalisation;
 use crate::agent::model::collision_rules::CollisionRules;
 use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::planner::exploration::{Exploration, Inputs};
 use crate::agent::planner::sweeping::PlannedValues;
 use crate::agent::policy::explorer::Explorer;
-use crate::agent::policy::{PolicyKind, RulePolicy};
+use crate::agent::policy::{PolicyKind, RulePolicy, RuleState};
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Params, PlusParams, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Percept, PredictionArray, Xcs};
@@ -47,8 +48,16 @@ pub struct PerceptLearner {
     heading: Option<Action>,
 }
 
-/// The learned state of model and planner.
-type State = (Transitions, PlannedValues, CollisionRules, Exploration);
+/// What learning changes.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct State {
+    model: Transitions,
+    known: PlannedValues,
+    rules: Option<RuleState>,
+    collisions: CollisionRules,
+    exploration: Exploration,
+    stream: Stream,
+}
 
 /// A step of the episode.
 #[derive(Debug, Clone, Copy)]
@@ -125,25 +134,33 @@ impl PerceptLearner {
             .collect()
     }
 
-    /// Resumes from [`checkpoint`](Agent::checkpoint). Returns `false` if it was made with other settings.
-    ///
-    /// # Errors
-    /// When the bytes are damaged.
-    pub fn resume(&mut self, saved: &[u8]) -> Result<bool, RestoreError> {
-        let (rules, stream, learned) = saved::read(saved)?;
-        let (model, known, collisions, exploration): State = learned;
-        self.known = known.resumed(&self.known, &model);
-        self.collisions = collisions.with_settings_of(&self.collisions);
-        self.exploration = exploration.with_settings_of(&self.exploration);
-        (self.model, self.stream) = (model, stream);
-        let policy = match (&mut self.rules, rules) {
+    /// Returns the learned state.
+    pub fn state(&self) -> State {
+        State {
+            model: self.model.clone(),
+            known: self.known.clone(),
+            rules: self.rules.as_ref().map(RulePolicy::state),
+            collisions: self.collisions.clone(),
+            exploration: self.exploration.clone(),
+            stream: self.stream.clone(),
+        }
+    }
+
+    /// Continues from a state; `None` if it is damaged, or was made with other settings.
+    pub fn resumed(mut self, state: State) -> Option<Self> {
+        self.known = state.known.resumed(&self.known, &state.model);
+        self.collisions = state.collisions.with_settings_of(&self.collisions);
+        self.exploration = state.exploration.with_settings_of(&self.exploration);
+        (self.model, self.stream) = (state.model, state.stream);
+        let policy = match (&mut self.rules, state.rules) {
             (Some(own), Some(rules)) => own.resume(rules, self.model.percepts()),
             (own, rules) => own.is_none() && rules.is_none(),
         };
-        Ok(policy
+        let fits = policy
             && self.model.is_valid()
             && self.known.is_valid(&self.model)
-            && self.collisions.is_valid())
+            && self.collisions.is_valid();
+        fits.then_some(self)
     }
 
     /// Learns from the last step, given the next percept.
@@ -350,18 +367,5 @@ impl Agent for PerceptLearner {
             Some(rules) => rules.xcs().population().len(),
             None => self.model.percepts().len() * self.actions,
         }
-    }
-
-    fn checkpoint(&self) -> Vec<u8> {
-        saved::bytes_of(&(
-            self.rules.as_ref().map(RulePolicy::state),
-            &self.stream,
-            (
-                &self.model,
-                &self.known,
-                &self.collisions,
-                &self.exploration,
-            ),
-        ))
     }
 }

@@ -7,6 +7,8 @@
 //! 3. [`imprinting`](crate::agent::credit::imprinting): after a failure, one of the best policies so far is replayed;
 //! 4. [`step_threshold`](crate::agent::credit::step_threshold): the time allowed shrinks toward the best policy.
 
+use serde::{Deserialize, Serialize};
+
 use crate::agent::credit::experts::{self, Experts};
 use crate::agent::credit::imprinting::{self, Imprinting, Policy, ReplayedStep};
 use crate::agent::credit::learning_rate::LearningRate;
@@ -17,11 +19,11 @@ use crate::agent::credit::params::Params;
 use crate::agent::credit::stack::{RewardStack, Shares};
 use crate::agent::credit::step_credit;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::knowledge::saved::{self, RestoreError};
+use crate::agent::knowledge::saved::{RestoreError, Saved};
 use crate::agent::{Agent, EndCredit, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Percept};
-use xcs::{MatchSet, PredictionArray, Xcs};
+use xcs::{Learned, MatchSet, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
 
 /// The method `xcscr` (paper, section III and figure 1.c). With all four mechanisms switched off it
@@ -42,6 +44,16 @@ pub struct Combined {
     step_threshold: StepThreshold,
     /// The sum of the auxiliary rewards of this episode, shared out with r_l at its end.
     found: f64,
+}
+
+/// What learning changes.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct State {
+    xcs: Learned,
+    shortest: usize,
+    imprinting: imprinting::State,
+    step_threshold: f64,
+    experts: Option<experts::State>,
 }
 
 impl Combined {
@@ -159,23 +171,33 @@ impl Agent for Combined {
     }
 
     fn checkpoint(&self) -> Vec<u8> {
-        saved::bytes_of(&(
-            self.xcs.learned(),
-            self.shortest,
-            self.imprinting.state(),
-            self.step_threshold.state(),
-            self.experts.as_ref().map(Experts::state),
-        ))
+        self.saved()
     }
 
     fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
-        let mut method = self.clone();
-        let (learned, shortest, policies, threshold, experts) = saved::read(saved)?;
-        method.shortest = shortest;
-        let fits = method.xcs.resume(learned)
-            && method.imprinting.resume(policies)
-            && method.step_threshold.resume(threshold)
-            && experts::resume(&mut method.experts, experts);
-        saved::accept(method, fits)
+        self.read(saved)
+    }
+}
+
+impl Saved for Combined {
+    type State = State;
+
+    fn state(&self) -> State {
+        State {
+            xcs: self.xcs.learned(),
+            shortest: self.shortest,
+            imprinting: self.imprinting.state(),
+            step_threshold: self.step_threshold.state(),
+            experts: self.experts.as_ref().map(Experts::state),
+        }
+    }
+
+    fn resumed(mut self, state: State) -> Option<Self> {
+        self.shortest = state.shortest;
+        let fits = self.xcs.resume(state.xcs)
+            && self.imprinting.resume(state.imprinting)
+            && self.step_threshold.resume(state.step_threshold)
+            && experts::resume(&mut self.experts, state.experts);
+        fits.then_some(self)
     }
 }

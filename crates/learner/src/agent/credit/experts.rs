@@ -24,12 +24,12 @@ pub(super) struct Experts {
     behaviour_cloner: Xcs,
     /// The reward of the policy selector for a success.
     goal: f64,
-    state: State,
+    choices: Choices,
 }
 
 /// The learned state of the experts besides their rules.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct State {
+struct Choices {
     stream: Stream,
     /// The percept and policy of the policy selector's last choice, until it is rewarded.
     chosen: Option<(Percept, Action)>,
@@ -37,8 +37,13 @@ pub(super) struct State {
     least_share: f64,
 }
 
-/// The learned state of policy selector and behaviour cloner, and the state besides their rules.
-pub(super) type SavedState = (Learned, Learned, State);
+/// What learning changes.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct State {
+    policy_selector: Learned,
+    behaviour_cloner: Learned,
+    choices: Choices,
+}
 
 impl Experts {
     /// Creates experts for a robot with `actions` actions. The streams are for choices, policy
@@ -49,7 +54,7 @@ impl Experts {
             policy_selector: Xcs::new(xcs.clone(), MOST_POLICIES, policy_selector),
             behaviour_cloner: Xcs::new(xcs.clone(), actions, behaviour_cloner),
             goal,
-            state: State {
+            choices: Choices {
                 stream,
                 chosen: None,
                 least_share: f64::INFINITY,
@@ -90,7 +95,7 @@ impl Experts {
 
     /// Rewards the policy selector for its choice before this episode.
     fn judge(&mut self, reached_goal: bool) {
-        let Some((percept, action)) = self.state.chosen.take() else {
+        let Some((percept, action)) = self.choices.chosen.take() else {
             return;
         };
         let set = self.policy_selector.matching_action_set(&percept, action);
@@ -105,7 +110,7 @@ impl Experts {
     fn study(&mut self, policy: &[ReplayedStep]) {
         let mut match_set = MatchSet::default();
         for step in policy {
-            self.state.least_share = self.state.least_share.min(step.share);
+            self.choices.least_share = self.choices.least_share.min(step.share);
             self.behaviour_cloner
                 .form_match_set(&step.percept, &mut match_set);
             for action in Action::all(self.behaviour_cloner.actions()) {
@@ -131,14 +136,14 @@ impl Experts {
         self.policy_selector.form_match_set(percept, &mut match_set);
         let values = self.policy_selector.predict(&match_set);
         let among = &policies[..policies.len().min(MOST_POLICIES)];
-        let explores = self.state.stream.chance(EXPLORE);
-        let drawn = self.state.stream.below(among.len());
+        let explores = self.choices.stream.chance(EXPLORE);
+        let drawn = self.choices.stream.below(among.len());
         let at = if explores {
             drawn
         } else {
             best(&values, among.len())
         };
-        self.state.chosen = Action::new(at).map(|action| (*percept, action));
+        self.choices.chosen = Action::new(at).map(|action| (*percept, action));
         &among[at]
     }
 
@@ -150,7 +155,7 @@ impl Experts {
             let values = self.behaviour_cloner.values(&percept);
             let mut best = values.best_actions();
             let (action, share) = (best.next(), values.greatest().unwrap_or(0.0));
-            let is_sure = best.next().is_none() && share >= 0.5 * self.state.least_share;
+            let is_sure = best.next().is_none() && share >= 0.5 * self.choices.least_share;
             let is_new = advice.iter().all(|step| step.percept != percept);
             advice.extend(
                 action
@@ -166,30 +171,29 @@ impl Experts {
     }
 
     /// Returns the learned state.
-    pub fn state(&self) -> SavedState {
-        let (policy_selector, behaviour_cloner) = (
-            self.policy_selector.learned(),
-            self.behaviour_cloner.learned(),
-        );
-        (policy_selector, behaviour_cloner, self.state.clone())
+    pub fn state(&self) -> State {
+        State {
+            policy_selector: self.policy_selector.learned(),
+            behaviour_cloner: self.behaviour_cloner.learned(),
+            choices: self.choices.clone(),
+        }
     }
 
     /// Resumes from a learned state; `false` if the state is damaged.
-    fn resume(&mut self, (policy_selector, behaviour_cloner, state): SavedState) -> bool {
-        let valid = state
-            .chosen
-            .is_none_or(|(_, action)| action.index() < MOST_POLICIES)
-            && state.least_share >= 0.0;
-        self.state = state;
+    fn resume(&mut self, state: State) -> bool {
+        let mut chosen = state.choices.chosen.iter();
+        let valid = chosen.all(|(_, action)| action.index() < MOST_POLICIES)
+            && state.choices.least_share >= 0.0;
+        self.choices = state.choices;
         valid
-            && self.policy_selector.resume(policy_selector)
-            && self.behaviour_cloner.resume(behaviour_cloner)
+            && self.policy_selector.resume(state.policy_selector)
+            && self.behaviour_cloner.resume(state.behaviour_cloner)
     }
 }
 
 /// Resumes the experts, if any, from a learned state; `false` if the state is damaged or does not
 /// fit.
-pub(super) fn resume(experts: &mut Option<Experts>, state: Option<SavedState>) -> bool {
+pub(super) fn resume(experts: &mut Option<Experts>, state: Option<State>) -> bool {
     match (experts, state) {
         (Some(experts), Some(state)) => experts.resume(state),
         (experts, state) => experts.is_none() && state.is_none(),

@@ -43,7 +43,10 @@ pub(super) struct Imprinting {
 
 /// The state that learning changes: \[PS\], and the random stream.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) struct State(Vec<Policy>, Stream);
+pub struct State {
+    policies: Vec<Policy>,
+    stream: Stream,
+}
 
 impl Imprinting {
     pub fn new(params: &Params, stream: Stream) -> Self {
@@ -57,11 +60,12 @@ impl Imprinting {
 
     /// Returns the learned state.
     pub fn state(&self) -> State {
-        State(self.policies.clone(), self.stream.clone())
+        let (policies, stream) = (self.policies.clone(), self.stream.clone());
+        State { policies, stream }
     }
 
     /// Resumes from a learned state; `false` if the state is damaged.
-    pub fn resume(&mut self, State(policies, stream): State) -> bool {
+    pub fn resume(&mut self, State { policies, stream }: State) -> bool {
         (self.policies, self.stream) = (policies, stream);
         self.policies.iter().all(|policy| !policy.is_empty())
     }

@@ -3,11 +3,11 @@
 use crate::agent::credit::params::{Params, StepLimitUpdate, XcsPayment};
 use crate::agent::credit::step_credit;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::knowledge::saved::{self, RestoreError};
+use crate::agent::knowledge::saved::{RestoreError, Saved};
 use crate::agent::policy::explorer::Explorer;
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit};
 use xcs::{Action, Percept};
-use xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
+use xcs::{ActionSet, Learned, MatchSet, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
 
 /// The methods `xcs` and, with an adaptive mapping, `xcsam`. The previous \[A\] is updated with its
@@ -135,12 +135,22 @@ impl Agent for Standard {
     }
 
     fn checkpoint(&self) -> Vec<u8> {
-        saved::bytes_of(&self.xcs.learned())
+        self.saved()
     }
 
     fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
-        let mut method = self.clone();
-        let fits = method.xcs.resume(saved::read(saved)?);
-        saved::accept(method, fits)
+        self.read(saved)
+    }
+}
+
+impl Saved for Standard {
+    type State = Learned;
+
+    fn state(&self) -> Learned {
+        self.xcs.learned()
+    }
+
+    fn resumed(mut self, state: Learned) -> Option<Self> {
+        self.xcs.resume(state).then_some(self)
     }
 }

@@ -33,13 +33,25 @@ pub(in crate::agent) fn read<T: DeserializeOwned>(saved: &[u8]) -> Result<T, Res
     }
 }
 
-/// Returns the method if its state fits.
-pub(in crate::agent) fn accept(
-    method: impl Agent + 'static,
-    fits: bool,
-) -> Result<Box<dyn Agent>, RestoreError> {
-    match fits {
-        true => Ok(Box::new(method)),
-        false => Err(RestoreError::Foreign),
+/// An agent whose learned state is one value, validated once when an agent resumes from it.
+pub(in crate::agent) trait Saved: Agent + Clone + 'static {
+    /// What learning changes, without settings.
+    type State: Serialize + DeserializeOwned;
+
+    /// Returns the learned state.
+    fn state(&self) -> Self::State;
+
+    /// Continues from a state; `None` if it is damaged, or was made with other settings.
+    fn resumed(self, state: Self::State) -> Option<Self>;
+
+    /// Implements [`Agent::checkpoint`].
+    fn saved(&self) -> Vec<u8> {
+        bytes_of(&self.state())
+    }
+
+    /// Implements [`Agent::restore`].
+    fn read(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
+        let method = self.clone().resumed(read(saved)?);
+        Ok(Box::new(method.ok_or(RestoreError::Foreign)?))
     }
 }

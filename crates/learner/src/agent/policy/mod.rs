@@ -11,7 +11,7 @@ pub mod plan;
 pub mod rollouts;
 mod rules;
 
-pub(super) use rules::RulePolicy;
+pub(super) use rules::{RulePolicy, RuleState};
 
 /// The policy that exploits the plan. It is the only difference between `xcscr-plus` and `r-max`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,5 +1,7 @@
 //! A rule policy: the decisions of a plan, distilled by sequential covering (CN2, Clark and Niblett 1989).
 
+use serde::{Deserialize, Serialize};
+
 use crate::agent::StepCredit;
 use crate::agent::credit::step_credit;
 use xcs::{
@@ -14,6 +16,13 @@ pub struct RulePolicy {
     match_set: MatchSet,
     examples: LabelledExamples,
     induction: Induction,
+}
+
+/// What learning changes.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct RuleState {
+    rules: Learned,
+    examples: LabelledExamples,
 }
 
 impl RulePolicy {
@@ -57,17 +66,17 @@ impl RulePolicy {
         step_credit(&self.xcs, &self.match_set, &action_set, short_term_reward)
     }
 
-    /// Returns the learned state, for a checkpoint.
-    pub fn state(&self) -> (Learned, &LabelledExamples) {
-        (self.xcs.learned(), &self.examples)
+    /// Returns the learned state.
+    pub fn state(&self) -> RuleState {
+        RuleState {
+            rules: self.xcs.learned(),
+            examples: self.examples.clone(),
+        }
     }
 
-    /// Resumes from a checkpoint; `false` if the rules or the examples do not fit `percepts`.
-    pub fn resume(
-        &mut self,
-        (rules, examples): (Learned, LabelledExamples),
-        percepts: &[Percept],
-    ) -> bool {
+    /// Resumes from a learned state; `false` if the rules or the examples do not fit `percepts`.
+    pub fn resume(&mut self, state: RuleState, percepts: &[Percept]) -> bool {
+        let RuleState { rules, examples } = state;
         let fits = |(number, example): (usize, &LabelledExample)| {
             percepts.get(number) == Some(&example.percept) && example.value.is_finite()
         };

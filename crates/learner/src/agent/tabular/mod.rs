@@ -15,7 +15,7 @@ use traces::Traces;
 
 use crate::agent::credit::params::Params;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::knowledge::saved::{self, RestoreError};
+use crate::agent::knowledge::saved::{RestoreError, Saved};
 use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::policy::explorer::Explorer;
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit};
@@ -79,15 +79,6 @@ impl Tabular {
             percept: None,
             pending: None,
         }
-    }
-
-    /// Resumes from an algorithm and a table; `None` if they belong to another algorithm, or are damaged.
-    fn resumed(mut self, (algorithm, table): (Algorithm, Rows)) -> Option<Self> {
-        let is_same = discriminant(&self.algorithm) == discriminant(&algorithm);
-        let fits = is_same && algorithm.is_valid();
-        self.algorithm = Some(algorithm).filter(|_| fits)?;
-        self.table = Table::with_rows(self.table.actions(), table)?;
-        Some(self)
     }
 
     /// Learns the pending step, once its successor is known.
@@ -192,11 +183,36 @@ impl Agent for Tabular {
     }
 
     fn checkpoint(&self) -> Vec<u8> {
-        saved::bytes_of(&(&self.algorithm, self.table.rows()))
+        self.saved()
     }
 
     fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
-        let method = self.clone().resumed(saved::read(saved)?);
-        Ok(Box::new(method.ok_or(RestoreError::Foreign)?))
+        self.read(saved)
+    }
+}
+
+/// What learning changes.
+#[derive(Serialize, Deserialize)]
+pub struct State {
+    algorithm: Algorithm,
+    table: Rows,
+}
+
+impl Saved for Tabular {
+    type State = State;
+
+    fn state(&self) -> State {
+        State {
+            algorithm: self.algorithm.clone(),
+            table: self.table.rows().clone(),
+        }
+    }
+
+    fn resumed(mut self, State { algorithm, table }: State) -> Option<Self> {
+        let is_same = discriminant(&self.algorithm) == discriminant(&algorithm);
+        let fits = is_same && algorithm.is_valid();
+        self.algorithm = Some(algorithm).filter(|_| fits)?;
+        self.table = Table::with_rows(self.table.actions(), table)?;
+        Some(self)
     }
 }
