@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::agent::Knowledge;
 use crate::sensor::{ANYTHING, Sensor};
-use crate::trial::{Plan, words_of_memory};
+use crate::trial::{Plan, words_of_context};
 use crate::world::Maze;
 use xcs::{Action, Condition};
 
@@ -116,7 +116,7 @@ impl Provenance {
 
     fn demanded(&self, allele: &dyn Fn(usize) -> Option<bool>) -> String {
         match self.remembers {
-            true => words_of_memory(self.sensor, &self.maze, allele),
+            true => words_of_context(self.sensor, &self.maze, allele),
             false => self.sensor.words(&self.maze, allele),
         }
     }

@@ -8,7 +8,7 @@ use super::{Topic, to_parts};
 use crate::agent::DecisionSource;
 use crate::episode::Step;
 use crate::sensor::Sensor;
-use crate::trial::words_of_memory;
+use crate::trial::words_of_context;
 use crate::world::Maze;
 use xcs::{Action, Condition};
 
@@ -156,7 +156,7 @@ fn demands(step: &Step<'_>, condition: &Condition, sensor: Sensor) -> String {
     let (maze, allele) = (step.view.maze, |at| condition.allele(at));
     match condition.width() == step.percept.width() {
         true => sensor.words(maze, &allele),
-        false => words_of_memory(sensor, maze, &allele),
+        false => words_of_context(sensor, maze, &allele),
     }
 }
 

@@ -167,7 +167,7 @@ impl<'a> Drive<'a> {
     /// What the robot made of some beams. It takes them as sent from where the estimator has it
     /// (`Estimator::ray`).
     fn seen(&self, believed: Isometry2<f64>, beams: Vec<Return>) -> Step {
-        let belief = serde_json::to_value(self.onboard.belief()).unwrap();
+        let belief = serde_json::to_value(self.onboard.filter()).unwrap();
         let number = |pointer: &str| belief.pointer(pointer).unwrap().as_f64().unwrap();
         let way = Vector2::new(number("/last/way/0"), number("/last/way/1"));
         let turned_rad = number("/last/turned_rad");

@@ -99,15 +99,7 @@ impl Method {
     /// Creates an untrained learner for `actions` actions. The first `ring` bits of a percept form
     /// a ring around the robot. `seed` is the trial's root seed.
     pub fn build(self, actions: usize, ring: usize, setup: Setup, seed: u64) -> Box<dyn Agent> {
-        let Setup {
-            xcs,
-            reward,
-            tabular,
-            plus,
-            map: map_settings,
-            sensed,
-            shows_surroundings,
-        } = setup;
+        let (xcs, reward, plus) = (setup.xcs, setup.reward, setup.plus);
         let stream = |name| Stream::new(seed, name);
         let learner = || Xcs::new(xcs.clone(), actions, stream(StreamName::Evolution));
         let combined = |reward| -> Box<dyn Agent> {
@@ -115,18 +107,18 @@ impl Method {
             Box::new(Combined::new(learner(), reward, imprinting))
         };
         let composed = |reward: Params, policy| -> Box<dyn Agent> {
-            let vision = if sensed {
+            let vision = if setup.sensed {
                 Vision::Lidar
             } else {
                 Vision::GroundTruth
             };
             let estimator = match plus.estimator {
-                Estimator::Auto if !shows_surroundings => Estimator::Percept,
+                Estimator::Auto if !setup.shows_surroundings => Estimator::Percept,
                 chosen => chosen,
             };
             let planning = || (policy, stream(StreamName::Replay));
             let own = (actions, vision);
-            let map = MapLearner::new(own, xcs.clone(), reward.clone(), map_settings, planning());
+            let map = MapLearner::new(own, xcs.clone(), reward.clone(), setup.map, planning());
             let rules = xcs::Params {
                 value_over_match_set: false,
                 ..xcs.clone()
@@ -136,12 +128,8 @@ impl Method {
             Box::new(Composed::new(estimator, percept, map))
         };
         let table = |algorithm| -> Box<dyn Agent> {
-            Box::new(Tabular::new(
-                algorithm,
-                actions,
-                reward.clone(),
-                tabular.clone(),
-            ))
+            let (reward, own) = (reward.clone(), setup.tabular.clone());
+            Box::new(Tabular::new(algorithm, actions, reward, own))
         };
         match self {
             Self::Xcs => Box::new(Standard::new(learner(), reward)),

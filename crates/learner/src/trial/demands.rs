@@ -9,14 +9,14 @@ impl Knowledge {
     /// last steps.
     pub fn words(&self, sensor: Sensor, maze: &Maze, alleles: Alleles<'_>) -> String {
         match self.remembers() {
-            true => words_of_memory(sensor, maze, alleles),
+            true => words_of_context(sensor, maze, alleles),
             false => sensor.words(maze, alleles),
         }
     }
 }
 
 /// Describes a condition on a context in words.
-pub fn words_of_memory(sensor: Sensor, maze: &Maze, alleles: Alleles<'_>) -> String {
+pub fn words_of_context(sensor: Sensor, maze: &Maze, alleles: Alleles<'_>) -> String {
     let seen = |alleles: Alleles<'_>| {
         // A sensor may have more bits than the context retains of its percept. The extra bits are
         // unspecified.
@@ -50,7 +50,7 @@ mod tests {
             .filter(|one| one.begins_with_neighbours());
         assert!(sensors.clone().any(|one| wide(&one)), "control");
         for sensor in sensors {
-            let words = words_of_memory(*sensor, &maze, &alleles);
+            let words = words_of_context(*sensor, &maze, &alleles);
             assert!(words.starts_with("north "), "{sensor:?}: {words}");
             assert!(
                 words.contains("step before saw north "),
@@ -67,7 +67,7 @@ mod tests {
         // The last two steps have twenty bits each; the first four bits encode the action.
         let last = CONTEXT_BITS - 2 * 20 + 4;
         let barred = |at: usize| [1, last + 1].contains(&at).then_some(true);
-        let words = |sensor| words_of_memory(sensor, &maze, &barred);
+        let words = |sensor| words_of_context(sensor, &maze, &barred);
         for (sensor, wall) in [
             (Sensor::Lidar, "north wall"),
             (Sensor::LidarPosition, "north wall"),
@@ -77,7 +77,7 @@ mod tests {
         }
         // A lidar does not see goals, so its goal bit is not described.
         let goal = |at: usize| (at == last).then_some(true);
-        let words = |sensor| words_of_memory(sensor, &maze, &goal);
+        let words = |sensor| words_of_context(sensor, &maze, &goal);
         assert_eq!(words(Sensor::Lidar), "anything");
         assert_eq!(words(Sensor::Neighbours), "last step saw north goal");
     }

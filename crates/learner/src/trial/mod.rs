@@ -29,7 +29,7 @@ pub use bounds::{Bounds, Estimate};
 pub use checkpoint::is_sealed;
 pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
 pub use compacted::Compacted;
-pub use demands::words_of_memory;
+pub use demands::words_of_context;
 pub use evaluation::Evaluation;
 pub use greedy::GreedySteps;
 pub use history::{PredictionChange, RuleHistory};

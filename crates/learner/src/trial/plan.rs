@@ -59,21 +59,15 @@ impl Config {
             [] => arena,
             _ => Box::new(RewardingArena::new(arena)),
         };
-        let Settings {
-            arena: all, sensor, ..
-        } = &self.settings;
-        let arena = match all.slip > 0.0 {
-            true => Box::new(SlippingArena::new(arena, all.slip, self.seed)),
+        let (slip, seed) = (self.settings.arena.slip, self.seed);
+        let arena = match slip > 0.0 {
+            true => Box::new(SlippingArena::new(arena, slip, seed)),
             false => arena,
         };
+        let error = self.settings.sensor.flip_probability;
         let width = self.sensor.width(maze);
-        match sensor.flip_probability > 0.0 {
-            true => Box::new(NoisyPerceptArena::new(
-                arena,
-                sensor.flip_probability,
-                width,
-                self.seed,
-            )),
+        match error > 0.0 {
+            true => Box::new(NoisyPerceptArena::new(arena, error, width, seed)),
             false => arena,
         }
     }
@@ -112,20 +106,13 @@ impl Config {
     /// # Errors
     /// When the method cannot use the initial knowledge.
     pub fn build_method(&self, maze: &Maze) -> Result<Box<dyn Agent>, Misfit> {
-        let Settings {
-            xcs,
-            reward,
-            tabular,
-            plus,
-            map,
-            ..
-        } = self.settings.clone();
+        let settings = self.settings.clone();
         let setup = Setup {
-            xcs,
-            reward,
-            tabular,
-            plus,
-            map,
+            xcs: settings.xcs,
+            reward: settings.reward,
+            tabular: settings.tabular,
+            plus: settings.plus,
+            map: settings.map,
             sensed: self.sensor.is_sensed(),
             shows_surroundings: self.sensor.shows_only_surroundings(),
         };
@@ -222,20 +209,15 @@ impl Plan {
     /// # Errors
     /// The first setting that is out of range, or an unsuitable percept.
     pub fn check(&self) -> Result<(), PlanError> {
-        let Config {
-            method,
-            sensor,
-            settings,
-            ..
-        } = &self.config;
-        within("episodes", self.config.episodes, 1..=1_000_000)?;
-        settings.check()?;
-        let maps =
-            method.may_draw_maps(&settings.plus) && settings.plus.estimator == Estimator::Map;
-        if maps && !sensor.begins_with_neighbours() {
+        let config = &self.config;
+        within("episodes", config.episodes, 1..=1_000_000)?;
+        config.settings.check()?;
+        let plus = &config.settings.plus;
+        let maps = config.method.may_draw_maps(plus) && plus.estimator == Estimator::Map;
+        if maps && !config.sensor.begins_with_neighbours() {
             return Err(PlanError::NoSurroundings {
-                method: method.name(),
-                sensor: sensor.name(),
+                method: config.method.name(),
+                sensor: config.sensor.name(),
             });
         }
         Ok(())
@@ -250,13 +232,8 @@ impl Plan {
 
     /// Returns the folder name of a run of this plan.
     pub fn folder_name(&self) -> String {
-        let Config {
-            method,
-            arena,
-            seed,
-            ..
-        } = &self.config;
-        let (method, arena) = (method.name(), arena.name());
+        let Config { seed, .. } = self.config;
+        let (method, arena) = (self.config.method.name(), self.config.arena.name());
         format!("{}-{method}-{arena}-s{seed}", self.maze.name())
     }
 }

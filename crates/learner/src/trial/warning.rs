@@ -23,7 +23,7 @@ pub enum Warning {
         advice: Option<Advice>,
     },
     /// Some cells are perceptually aliased, and no action is best in all of them.
-    LookAlike {
+    Aliased {
         /// The percept that does not distinguish them.
         sensor: Sensor,
         /// The cells, group by group.
@@ -108,7 +108,7 @@ fn aliased_cells(plan: &Plan, paths: &Paths) -> Option<Warning> {
         plan.advised_sensor(),
         plan.advised_estimator(),
     ];
-    (!groups.is_empty()).then(|| Warning::LookAlike {
+    (!groups.is_empty()).then(|| Warning::Aliased {
         sensor,
         groups,
         advice: Advice::of(changes.into_iter().flatten().collect()),
@@ -160,7 +160,7 @@ impl Warning {
     fn help(&self) -> Option<String> {
         match self {
             Self::StepLimit { advice, .. }
-            | Self::LookAlike { advice, .. }
+            | Self::Aliased { advice, .. }
             | Self::Collected { advice, .. } => advice.as_ref().map(|advice| format!("`{advice}`")),
             Self::OutOfReach(_) => Some("to open a path in `rows`".to_owned()),
             Self::TimeOut { move_s, .. } => {
@@ -183,7 +183,7 @@ impl fmt::Display for Warning {
                 f,
                 "episodes end after {steps} steps, but the longest shortest path has {longest}"
             ),
-            Self::LookAlike { sensor, groups, .. } => write!(
+            Self::Aliased { sensor, groups, .. } => write!(
                 f,
                 "the sensor `{}` cannot distinguish these cells, and no action is best in all of them: {}",
                 sensor.name(),

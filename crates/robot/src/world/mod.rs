@@ -36,4 +36,5 @@ pub use maze::{Cell, Maze};
 pub use occupancy::{Gridded, Gridding, MapError, Occupancy, OccupancyMap, Passage, WrittenMap};
 pub use origin::Origin;
 pub use paths::Paths;
+pub use slip::each_other;
 pub use starts::Starts;

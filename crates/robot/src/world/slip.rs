@@ -1,4 +1,5 @@
-//! The optimum for slipping actions: value iteration on the true maze.
+//! The optimum for slipping actions: value iteration on the true maze. The learner's value iteration on its map
+//! is another one, so that a test can compare both.
 
 use super::direction::Direction;
 use super::maze::{Cell, Maze};
@@ -8,6 +9,12 @@ const SAME: f64 = 1e-9;
 /// The largest number of sweeps. With little slip, the number of sweeps needed is the length of the
 /// longest shortest path.
 const MOST_SWEEPS: usize = 100_000;
+
+/// Returns the probability of each other action when a move slips with probability `slip`: an action
+/// other than the chosen one is executed, each equally likely. This is the meaning of `arena.slip`.
+pub fn each_other(slip: f64, actions: usize) -> f64 {
+    slip / actions.saturating_sub(1).max(1) as f64
+}
 
 /// The expected number of steps to a goal from each cell under an optimal policy.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,14 +60,14 @@ impl Expected {
     /// Returns the expected steps when the first choice is the direction `along`. When the action
     /// slips, all other directions are equally likely.
     fn of(&self, maze: &Maze, cell: Cell, along: Direction) -> f64 {
-        let others = maze.action_count().saturating_sub(1).max(1) as f64;
+        let each = each_other(self.slip, maze.action_count());
         let after = |way: Direction| {
             let next = maze.step(cell, way).unwrap_or(cell);
             self.steps[maze.index(next)]
         };
         let chance = |way: Direction| match way == along {
             true => 1.0 - self.slip,
-            false => self.slip / others,
+            false => each,
         };
         1.0 + directions(maze)
             .map(|way| chance(way) * after(way))

@@ -14,8 +14,8 @@ mod tests;
 
 use nalgebra::{Isometry2, Matrix3, Point2};
 
-pub use self::estimator::Belief;
 use self::estimator::Estimator;
+pub use self::estimator::FilterState;
 use self::mapper::cell_of;
 pub use self::surroundings::Surroundings;
 use crate::{Readings, Return, Robot};
@@ -132,13 +132,13 @@ impl Onboard {
     }
 
     /// Returns the state of the filter.
-    pub fn belief(&self) -> &Belief {
-        self.estimator.belief()
+    pub fn filter(&self) -> &FilterState {
+        self.estimator.filter()
     }
 
     /// Restores a state of the filter, and the observed surroundings.
-    pub fn restore(&mut self, belief: Belief, surroundings: Surroundings) {
-        self.estimator.set_belief(belief);
+    pub fn restore(&mut self, filter: FilterState, surroundings: Surroundings) {
+        self.estimator.set_filter(filter);
         self.surroundings = surroundings;
     }
 }

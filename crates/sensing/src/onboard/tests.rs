@@ -99,11 +99,11 @@ fn a_quarter_turn_by_the_gyro_ends_facing_north() {
 #[test]
 fn without_a_gyro_the_wheels_give_the_turn() {
     let mut estimator = estimator(0.5, 0.5);
-    let told = Readings {
+    let without_gyro = Readings {
         turned_rad: None,
         ..readings([-0.02, 0.02], 0.0, &[])
     };
-    estimator.step(&told);
+    estimator.step(&without_gyro);
     let turned = estimator.pose().rotation.im;
     assert!(
         (turned - libm::sin(0.1)).abs() < 1e-12,
@@ -286,16 +286,16 @@ fn each_action_begins_with_an_unknown_wheel_bias() {
         let ahead = [beam(1.0, 0.0, 3.5 - 0.05 * f64::from(step))];
         estimator.step(&readings([0.056, 0.056], 0.0, &ahead));
     }
-    let learned = estimator.belief().clone();
+    let learned = estimator.filter().clone();
     estimator.begin_action();
-    assert_ne!(&learned, estimator.belief());
+    assert_ne!(&learned, estimator.filter());
     let way = |estimator: &mut Estimator| {
         let before = estimator.pose().translation.x;
         estimator.step(&readings([0.05, 0.05], 0.0, &[]));
         estimator.pose().translation.x - before
     };
     let after = way(&mut estimator);
-    estimator.set_belief(learned);
+    estimator.set_filter(learned);
     assert!(
         way(&mut estimator) < after,
         "within the action it knew better"
@@ -350,7 +350,7 @@ fn a_beam_that_hits_something_too_near_is_evidence_for_a_wall_and_does_not_move_
     ));
     let mut blind = close.clone();
     blind.step(&readings([0.0; 2], 0.0, &[]));
-    assert_eq!(sensed.belief(), blind.belief());
+    assert_eq!(sensed.filter(), blind.filter());
 }
 
 #[test]

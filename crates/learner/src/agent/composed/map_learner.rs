@@ -74,11 +74,6 @@ impl Learned {
             && self.local.is_valid()
             && rules.all(|rules| rules.is_valid(actions))
     }
-
-    /// Discards the contexts met while driving.
-    fn forget_contexts(&mut self) {
-        self.rules.iter_mut().for_each(MapRules::forget_contexts);
-    }
 }
 
 impl MapLearner {
@@ -125,18 +120,11 @@ impl MapLearner {
     /// Returns the action that leads to the nearest frontier of this episode.
     fn explore(&mut self) -> Action {
         let passes_goals = self.passes_goals();
-        let Learned {
-            maps,
-            local,
-            stream,
-            ..
-        } = &mut self.learned;
-        local.explore(
-            &maps.robot().motion,
-            maps.feels_bumps(),
-            passes_goals,
-            stream,
-        )
+        let learned = &mut self.learned;
+        let (maps, stream) = (&learned.maps, &mut learned.stream);
+        let (motion, feels_bumps) = (&maps.robot().motion, maps.feels_bumps());
+        let local = &learned.local;
+        local.explore(motion, feels_bumps, passes_goals, stream)
     }
 
     /// Returns true in an exploration episode that passes goals; every second one does. Maps are built
@@ -171,7 +159,8 @@ impl MapLearner {
         let map = learned.maps.map(&self.params);
         if !map.has_same_states(&self.map) {
             learned.planner = BeliefPlanner::new(&map.pomdp);
-            learned.forget_contexts();
+            let rules = learned.rules.iter_mut();
+            rules.for_each(MapRules::forget_contexts);
             learned.stale = true;
         }
         learned.stale |= (map.observation_error > 0.0) != (self.map.observation_error > 0.0);
@@ -181,18 +170,16 @@ impl MapLearner {
     /// Plans, and corrects the policy if the plan changed or the rules were wrong.
     fn plan(&mut self) {
         let (map, learned) = (&self.map, &mut self.learned);
-        let Learned {
-            planner, stream, ..
-        } = learned;
+        let (planner, rules) = (&mut learned.planner, &mut learned.rules);
+        let stream = &mut learned.stream;
         if planner.plan(map, learned.episodes, stream) {
             learned.stale = true;
             if map.pomdp.slip() == 0.0 {
-                learned.forget_contexts();
+                rules.iter_mut().for_each(MapRules::forget_contexts);
             }
         }
         if std::mem::take(&mut learned.stale) {
-            let (planner, stream) = (&mut learned.planner, &mut learned.stream);
-            match &mut learned.rules {
+            match rules {
                 Some(rules) => rules.distil(map, planner, &self.xcs, stream),
                 None => planner.settle_all(map),
             }
@@ -211,15 +198,10 @@ impl MapLearner {
     /// Records an action of the rules. Wrong rules are corrected at the end of the episode.
     fn record(&mut self, action: Action) {
         let explores = self.explores();
-        let Learned {
-            planner,
-            rules,
-            stale,
-            ..
-        } = &mut self.learned;
-        if let Some(rules) = rules.as_mut().filter(|_| !explores) {
+        let learned = &mut self.learned;
+        if let Some(rules) = learned.rules.as_mut().filter(|_| !explores) {
             let situation = (&self.map, &self.tracker);
-            *stale |= rules.meet(situation, action, planner, &self.xcs);
+            learned.stale |= rules.meet(situation, action, &mut learned.planner, &self.xcs);
         }
     }
 
@@ -270,21 +252,15 @@ impl Agent for MapLearner {
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
         self.percept = Some(*percept);
         self.tracker.perceive(&self.map, percept);
-        let Learned {
-            maps,
-            local,
-            planner,
-            rules,
-            ..
-        } = &mut self.learned;
-        let around = maps.robot().vision.around(percept);
+        let learned = &mut self.learned;
+        let around = learned.maps.robot().vision.around(percept);
         let last = self.steps.last();
         if let Some(last) = last {
-            maps.follow(last, Some(&around));
+            learned.maps.follow(last, Some(&around));
         }
-        local.perceive(last, &around, maps.robot());
-        if rules.is_none() {
-            plan_for(planner, &self.map, &self.tracker);
+        learned.local.perceive(last, &around, learned.maps.robot());
+        if learned.rules.is_none() {
+            plan_for(&mut learned.planner, &self.map, &self.tracker);
         }
         self.values_of(&self.tracker)
     }

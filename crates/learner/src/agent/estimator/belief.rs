@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::agent::model::pomdp::{GOAL, Pomdp};
-use crate::agent::model::slips::each_other;
 use xcs::Action;
+use xcscr_robot::world::each_other;
 
 /// States less likely than this are dropped.
 pub const NEGLIGIBLE_PROBABILITY: f64 = 1e-4;

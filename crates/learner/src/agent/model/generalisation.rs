@@ -73,12 +73,14 @@ impl InverseActionRule {
         let number = turn.index();
         if number >= actions || hits.max(misses) > &MOST_COUNTED {
             return Err(format!(
-                "the return rule of turn {number} counts {hits} hits and {misses} misses: there are {actions} actions, and at most {MOST_COUNTED} can be counted"
+                "the inverse-action rule of turn {number} counts {hits} hits and {misses} misses: there are {actions} actions, and at most {MOST_COUNTED} can be counted"
             ));
         }
         match seen.insert(*turn) {
             true => Ok(()),
-            false => Err(format!("the return rule of turn {number} is listed twice")),
+            false => Err(format!(
+                "the inverse-action rule of turn {number} is listed twice"
+            )),
         }
     }
 }

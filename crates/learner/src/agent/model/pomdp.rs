@@ -6,8 +6,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::agent::model::rewards::RewardModel;
-use crate::agent::model::slips::each_other;
 use xcs::{Action, MAX_ACTIONS, Percept};
+use xcscr_robot::world::each_other;
 
 /// The pseudo-state of the goal, where the episode ends.
 pub const GOAL: u32 = u32::MAX;
@@ -157,7 +157,8 @@ impl Pomdp {
     }
 
     /// Returns the cost of each state, at most `most`, if states are fully observable (value iteration).
-    /// Without auxiliary rewards, this is the expected number of steps to the goal.
+    /// Without auxiliary rewards, this is the expected number of steps to the goal. The true optimum of a maze
+    /// (`xcscr_robot::world::Paths`) is computed independently, so that a test can compare both.
     pub fn costs_when_seen(&self, most: f64) -> Vec<f64> {
         let mut costs = vec![0.0; self.states()];
         for _ in 0..most.max(1.0) as u64 * 10 {

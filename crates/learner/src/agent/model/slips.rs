@@ -5,6 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use xcscr_robot::world::each_other;
+
 /// Moves slip if pairs that bump have also moved, or vice versa, at least this often and in this share of
 /// all tries. Cells that are merely aliased are ruled out, because walls are visible.
 const LEAST_EVIDENCE: u32 = 3;
@@ -18,13 +20,6 @@ const LONGEST_LEAD: u32 = 8;
 const DEVIATIONS: f64 = 4.0;
 /// The relative difference below which two estimates count as equal.
 const SAME: f64 = 0.1;
-
-/// Returns the probability of each other action when a move slips with probability `slip`: an action
-/// other than the chosen one is executed, each equally likely. This is the meaning of `arena.slip`, and
-/// of slip everywhere in the learner.
-pub fn each_other(slip: f64, actions: usize) -> f64 {
-    slip / actions.saturating_sub(1).max(1) as f64
-}
 
 /// The share of moves that slip.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]

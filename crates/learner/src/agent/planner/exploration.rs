@@ -1,5 +1,8 @@
-//! Planned exploration: the path to the nearest action whose optimistic value exceeds the known
+//! Planned exploration over percepts: the path to the nearest action whose optimistic value exceeds the known
 //! value.
+//!
+//! Frontier exploration ([`frontier`](super::frontier)) is another algorithm. It needs no transition model, because
+//! cells have places: it walks to the nearest unvisited cell, whatever its value.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -1,4 +1,7 @@
 //! Frontier exploration: a local map of visited cells, and paths to unvisited ones.
+//!
+//! Percepts have no places, so that [`exploration`](super::exploration) searches a learned transition model instead,
+//! and weighs costs.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap, VecDeque};

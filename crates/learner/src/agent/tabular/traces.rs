@@ -25,15 +25,10 @@ impl Traces {
         next: Option<Action>,
         [alpha, gamma, decay]: [f64; 3],
     ) {
-        let Transition {
-            percept,
-            action,
-            reward,
-            ..
-        } = *transition;
+        let (percept, action) = (transition.percept, transition.action);
         let after = transition.next.zip(next);
         let after = after.map_or(0.0, |(percept, action)| table.get(&percept, action));
-        let td_error = reward + gamma * after - table.get(&percept, action);
+        let td_error = transition.reward + gamma * after - table.get(&percept, action);
         self.pairs.retain(|(p, a, _)| (*p, *a) != (percept, action));
         self.pairs.push((percept, action, 1.0));
         for (percept, action, trace) in &mut self.pairs {

@@ -2,7 +2,7 @@
 //! one behind a network.
 
 use nalgebra::{Isometry2, Vector2};
-use xcscr_sensing::{Belief, Onboard, Readings};
+use xcscr_sensing::{FilterState, Onboard, Readings};
 
 use super::cautious::profile;
 use super::controller::Maneuver;
@@ -132,8 +132,8 @@ impl Pilot {
     }
 
     /// Restores the state of the onboard computer between two actions.
-    pub(super) fn restore(&mut self, belief: Belief, surroundings: Surroundings) {
-        self.onboard.restore(belief, surroundings);
+    pub(super) fn restore(&mut self, filter: FilterState, surroundings: Surroundings) {
+        self.onboard.restore(filter, surroundings);
     }
 
     /// Makes the robot drive back to where the manoeuvre started, because of an obstacle.

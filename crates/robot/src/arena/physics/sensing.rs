@@ -15,7 +15,9 @@ use crate::arena::{Beam, Estimate, Outcome, Sensed, Surroundings};
 use crate::streams::StreamName;
 use crate::world::{Cell, Direction, Maze};
 use xcs::random::Stream;
-use xcscr_sensing::{Belief, Moment, Onboard, Readings, Return, SensorState, Sensors, Streams};
+use xcscr_sensing::{
+    FilterState, Moment, Onboard, Readings, Return, SensorState, Sensors, Streams,
+};
 
 /// Number of lidar turns before the first action of an episode. In one turn only two beams may pass
 /// a narrow gap, and losing one of them must not close the gap.
@@ -36,7 +38,7 @@ pub(super) struct Sensing {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SensingCheckpoint {
     sensors: SensorState,
-    belief: Belief,
+    filter: FilterState,
 }
 
 /// State of sensors and estimator that carries over between actions.
@@ -77,7 +79,7 @@ impl Sensing {
     pub(super) fn checkpoint(&self) -> SensingCheckpoint {
         SensingCheckpoint {
             sensors: self.sensors.state(),
-            belief: self.pilot.onboard().belief().clone(),
+            filter: self.pilot.onboard().filter().clone(),
         }
     }
 
@@ -85,7 +87,7 @@ impl Sensing {
     pub(super) fn resume(&mut self, saved: &SensingCheckpoint) {
         self.sensors.set_state(&saved.sensors);
         let surroundings = self.pilot.onboard().surroundings().clone();
-        self.pilot.restore(saved.belief.clone(), surroundings);
+        self.pilot.restore(saved.filter.clone(), surroundings);
     }
 
     /// Returns the state for a snapshot between two actions.
@@ -99,8 +101,8 @@ impl Sensing {
     /// Restores a snapshot.
     pub(super) fn set_state(&mut self, state: &SensingState) {
         self.sensors.set_state(&state.lasting.sensors);
-        let belief = state.lasting.belief.clone();
-        self.pilot.restore(belief, state.surroundings.clone());
+        let filter = state.lasting.filter.clone();
+        self.pilot.restore(filter, state.surroundings.clone());
     }
 
     /// Clears the data shown to observers of the last action.

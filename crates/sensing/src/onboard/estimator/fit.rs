@@ -48,7 +48,7 @@ impl Fit {
 impl Estimator {
     /// Returns the fits of a beam to the nearest lines across both axes.
     pub(super) fn fits(&self, ray: &Ray, range: f64) -> [Fit; 2] {
-        let measured = range / (1.0 + self.belief.ranges);
+        let measured = range / (1.0 + self.filter.ranges);
         [X, Y].map(|axis| self.fit(axis, ray, range, measured))
     }
 
@@ -57,7 +57,7 @@ impl Estimator {
     fn fit(&self, axis: usize, ray: &Ray, range: f64, measured: f64) -> Fit {
         let along = ray.direction[axis];
         let across = ray.direction[1 - axis];
-        let covariance = &self.belief.covariance;
+        let covariance = &self.filter.covariance;
         let deviation = self.assumed.range + self.assumed.range_share * range;
         let sign = if axis == X { -1.0 } else { 1.0 };
         let by_heading = sign * range * across;
@@ -94,13 +94,13 @@ impl Estimator {
         let agree = check.count > 0 && apart < AGREEING * 2.0 * fit.own_variance;
         check.count = if agree { check.count + 1 } else { 1 };
         check.residual = fit.residual;
-        let is_sure = self.belief.covariance[(fit.axis, fit.axis)] < square(UNCERTAIN);
+        let is_sure = self.filter.covariance[(fit.axis, fit.axis)] < square(UNCERTAIN);
         is_sure || check.count >= MIN_AGREEING
     }
 
     /// Moves the state so that the beam ends nearer to the line.
     pub(super) fn correct(&mut self, fit: &Fit) {
-        let covariance = &mut self.belief.covariance;
+        let covariance = &mut self.filter.covariance;
         let seen = covariance.column(fit.axis)
             + fit.by_heading * covariance.column(HEADING)
             + fit.by_ranges * covariance.column(RANGES);
@@ -114,16 +114,16 @@ impl Estimator {
         }
         let change = seen * (fit.residual / fit.variance);
         let moved = Vector2::new(change[X], change[Y]);
-        self.belief.pose.translation.vector += moved;
+        self.filter.pose.translation.vector += moved;
         let checks = self.consistency_checks.iter_mut().zip(moved.iter());
         checks.for_each(|(check, moved)| check.residual -= moved);
-        let ahead = ahead(self.belief.pose.rotation);
-        self.belief.slip.correct(moved.dot(&ahead));
-        self.belief.pose.rotation *= cayley(change[HEADING]);
-        self.belief.bias += change[BIAS];
-        self.belief.gyro += change[GYRO];
-        self.belief.wheels += change[WHEELS];
-        self.belief.ranges += change[RANGES];
-        self.belief.roll += change[ROLL];
+        let ahead = ahead(self.filter.pose.rotation);
+        self.filter.slip.correct(moved.dot(&ahead));
+        self.filter.pose.rotation *= cayley(change[HEADING]);
+        self.filter.bias += change[BIAS];
+        self.filter.gyro += change[GYRO];
+        self.filter.wheels += change[WHEELS];
+        self.filter.ranges += change[RANGES];
+        self.filter.roll += change[ROLL];
     }
 }

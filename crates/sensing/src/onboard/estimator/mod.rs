@@ -55,7 +55,7 @@ const STRAIN_DECAY: f64 = 0.7;
 
 /// The filter's state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Belief {
+pub struct FilterState {
     pose: Isometry2<f64>,
     /// The gyro bias in rad/s.
     bias: f64,
@@ -100,7 +100,7 @@ pub(crate) struct Estimator {
     /// The distance between the lines of the grid.
     cell_size_m: f64,
     assumed: Assumed,
-    belief: Belief,
+    filter: FilterState,
     /// The rotation from the end of the last step back to each of its beams.
     back: Vec<UnitComplex<f64>>,
     /// Along x and y: the last beams of this action that were accepted as ending on lines.
@@ -144,7 +144,7 @@ impl Estimator {
         Self {
             params: robot.estimator.clone(),
             cell_size_m: robot.cell_size_m,
-            belief: Belief {
+            filter: FilterState {
                 pose: Isometry2::identity(),
                 bias: 0.0,
                 gyro: 0.0,
@@ -166,56 +166,56 @@ impl Estimator {
     /// Puts the robot down at rest, within a centimetre of `pose`. The calibration of the sensors
     /// stays.
     pub fn put_down(&mut self, pose: Isometry2<f64>) {
-        let Belief { covariance, .. } = &mut self.belief;
+        let FilterState { covariance, .. } = &mut self.filter;
         for at in [X, Y, HEADING] {
             covariance.row_mut(at).fill(0.0);
             covariance.column_mut(at).fill(0.0);
             covariance[(at, at)] = 1e-4;
         }
-        self.belief.pose = pose;
-        self.belief.slip = Slip::default();
-        self.belief.strain = [0.0; 2];
-        self.belief.last = LastStep::default();
+        self.filter.pose = pose;
+        self.filter.slip = Slip::default();
+        self.filter.strain = [0.0; 2];
+        self.filter.last = LastStep::default();
     }
 
     /// Returns the estimated pose in the grid frame, in metres.
     pub fn pose(&self) -> Isometry2<f64> {
-        self.belief.pose
+        self.filter.pose
     }
 
     /// Returns the covariance of x, y and heading.
     pub fn covariance(&self) -> Matrix3<f64> {
-        self.belief.covariance.fixed_view::<3, 3>(0, 0).into_owned()
+        self.filter.covariance.fixed_view::<3, 3>(0, 0).into_owned()
     }
 
     /// Returns the speed along the heading in m/s, and the turn rate in rad/s.
     pub fn speeds(&self) -> (f64, f64) {
         (
-            self.belief.last.forward / STEP_S,
-            self.belief.last.turned_rad / STEP_S,
+            self.filter.last.forward / STEP_S,
+            self.filter.last.turned_rad / STEP_S,
         )
     }
 
     /// Returns true if wheel slip was detected recently.
     pub fn slips(&self) -> bool {
-        self.belief.slip.is_detected()
+        self.filter.slip.is_detected()
     }
 
     /// Returns the whole state.
-    pub fn belief(&self) -> &Belief {
-        &self.belief
+    pub fn filter(&self) -> &FilterState {
+        &self.filter
     }
 
     /// Restores a state between two actions.
-    pub fn set_belief(&mut self, belief: Belief) {
-        self.belief = belief;
+    pub fn set_filter(&mut self, filter: FilterState) {
+        self.filter = filter;
     }
 
     /// Begins an action, in which the wheels have a new scale error.
     pub fn begin_action(&mut self) {
-        self.belief.roll = 0.0;
+        self.filter.roll = 0.0;
         self.consistency_checks = [ConsistencyCheck::default(); 2];
-        let covariance = &mut self.belief.covariance;
+        let covariance = &mut self.filter.covariance;
         covariance.row_mut(ROLL).fill(0.0);
         covariance.column_mut(ROLL).fill(0.0);
         // The mean of two wheels has half of the variance.
@@ -225,8 +225,8 @@ impl Estimator {
     /// Updates the state with the readings of a step.
     pub fn step(&mut self, readings: &Readings<'_>) {
         self.predict(readings);
-        self.belief.strain = self.belief.strain.map(|strain| STRAIN_DECAY * strain);
-        let turned_rad = self.belief.last.turned_rad;
+        self.filter.strain = self.filter.strain.map(|strain| STRAIN_DECAY * strain);
+        let turned_rad = self.filter.last.turned_rad;
         let back = |beam: &Return| rotation((beam.moment - 1.0) * turned_rad);
         self.back.clear();
         self.back.extend(readings.beams.iter().map(back));
@@ -244,11 +244,11 @@ impl Estimator {
     /// Returns a beam of the last step, from the estimated pose at its moment. Since then the robot
     /// has turned by the inverse of `back`.
     pub fn ray(&self, beam: &Return, back: UnitComplex<f64>) -> Ray {
-        let pose = &self.belief.pose;
+        let pose = &self.filter.pose;
         Ray {
-            origin: pose.translation.vector + (beam.moment - 1.0) * self.belief.last.way,
+            origin: pose.translation.vector + (beam.moment - 1.0) * self.filter.last.way,
             direction: ahead(pose.rotation * back * beam.bearing),
-            range: beam.range_m.map(|range| range * (1.0 + self.belief.ranges)),
+            range: beam.range_m.map(|range| range * (1.0 + self.filter.ranges)),
         }
     }
 
@@ -268,7 +268,7 @@ impl Estimator {
             // information.
             [Some(fit), None] | [None, Some(fit)] if fit.is_shallow => {}
             [Some(fit), None] | [None, Some(fit)] => {
-                let strain = &mut self.belief.strain[fit.axis];
+                let strain = &mut self.filter.strain[fit.axis];
                 *strain = (*strain - 1.0).max(0.0);
                 if self.is_accepted(&fit) {
                     self.correct(&fit);
@@ -285,30 +285,30 @@ impl Estimator {
     /// Handles a beam that disagrees with the position along an axis. A single beam may be an
     /// outlier. Several in the last steps inflate the covariance of that position.
     fn inflate(&mut self, axis: usize) {
-        let strain = &mut self.belief.strain[axis];
+        let strain = &mut self.filter.strain[axis];
         *strain += 1.0;
         if self.params.batch_check && *strain >= MAX_STRAIN {
             *strain = 0.0;
-            self.belief.covariance[(axis, axis)] += square(INFLATION);
+            self.filter.covariance[(axis, axis)] += square(INFLATION);
         }
     }
 
     /// Tests whether a beam fits better at the position where the robot would be if its wheels had
     /// spun. Returns true if this beam decides the test in favour of that position.
     fn falls_back(&mut self, ray: &Ray, fits: &[Fit; 2]) -> bool {
-        let Some(lag) = self.belief.slip.lag() else {
+        let Some(lag) = self.filter.slip.lag() else {
             return false;
         };
-        let ahead = ahead(self.belief.pose.rotation);
+        let ahead = ahead(self.filter.pose.rotation);
         let origin = ray.origin - lag * ahead;
         let behind = fits.map(|fit| fit.from(origin, self.cell_size_m));
         let evidence = (self.misfit(fits) - self.misfit(&behind)) / 2.0;
-        match self.belief.slip.weigh(evidence, &self.params) {
+        match self.filter.slip.weigh(evidence, &self.params) {
             Some(Verdict::Spun(lag)) => {
                 self.fall_back(lag * ahead);
                 return true;
             }
-            Some(Verdict::Rolled) => self.belief.last.held = self.belief.last.forward,
+            Some(Verdict::Rolled) => self.filter.last.held = self.filter.last.forward,
             None => {}
         }
         false
@@ -323,10 +323,10 @@ impl Estimator {
 
     /// Moves the estimate back by `way`.
     fn fall_back(&mut self, way: Vector2<f64>) {
-        self.belief.pose.translation.vector -= way;
+        self.filter.pose.translation.vector -= way;
         self.consistency_checks = [ConsistencyCheck::default(); 2];
         let inflation = (SPIN * way) * (SPIN * way).transpose();
-        let mut position = self.belief.covariance.fixed_view_mut::<2, 2>(X, X);
+        let mut position = self.filter.covariance.fixed_view_mut::<2, 2>(X, X);
         position += inflation;
     }
 }

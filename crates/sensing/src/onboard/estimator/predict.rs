@@ -69,12 +69,12 @@ impl Estimator {
     pub(super) fn predict(&mut self, readings: &Readings<'_>) {
         let motion = self.motion(readings);
         let half = rotation(motion.turned_rad / 2.0);
-        let middle = self.belief.pose.rotation * half;
+        let middle = self.filter.pose.rotation * half;
         let way = middle * Vector2::new(motion.forward, 0.0);
-        self.belief.pose.translation.vector += way;
-        self.belief.pose.rotation = UnitComplex::new_normalize((middle * half).into_inner());
-        let changed = motion.rolled - self.belief.last.rolled;
-        self.belief.last = LastStep {
+        self.filter.pose.translation.vector += way;
+        self.filter.pose.rotation = UnitComplex::new_normalize((middle * half).into_inner());
+        let changed = motion.rolled - self.filter.last.rolled;
+        self.filter.last = LastStep {
             way,
             turned_rad: motion.turned_rad,
             forward: motion.forward,
@@ -93,8 +93,8 @@ impl Estimator {
         let by_wheels = (right - left) / base;
         let gyro_rad = readings
             .turned_rad
-            .map(|measured| measured - self.belief.bias * STEP_S);
-        let turned_rad = gyro_rad.map_or(by_wheels, |measured| (1.0 + self.belief.gyro) * measured);
+            .map(|measured| measured - self.filter.bias * STEP_S);
+        let turned_rad = gyro_rad.map_or(by_wheels, |measured| (1.0 + self.filter.gyro) * measured);
         let touches = readings.bumped.contains(&true);
         let bumped = self.params.bump_inflation && touches;
         // Wheels slip where a wall holds the robot: it moved by something between nothing and all.
@@ -103,20 +103,20 @@ impl Estimator {
         // same amount.
         let slipped = (by_wheels - turned_rad) * base / 2.0;
         let deviation = self.assumed.wheel_share * left.abs().max(right.abs());
-        let by_rolling = (1.0 + self.belief.wheels + self.belief.roll) * rolled;
+        let by_rolling = (1.0 + self.filter.wheels + self.filter.roll) * rolled;
         let held = self.held(by_rolling, touches);
-        let slip = &mut self.belief.slip;
+        let slip = &mut self.filter.slip;
         // Counting whole ticks alone makes the wheels disagree by less than a tick.
         let disagreement = (slipped.abs() - self.assumed.tick_m).max(0.0);
         slip.step(disagreement, deviation, touches, &self.params);
         slip.roll(by_rolling - held, touches);
         let detected = slip.is_detected();
-        self.belief.wary = if detected {
+        self.filter.wary = if detected {
             WARY_STEPS
         } else {
-            self.belief.wary.saturating_sub(1)
+            self.filter.wary.saturating_sub(1)
         };
-        let (forward, shares) = match (detected, self.belief.wary) {
+        let (forward, shares) = match (detected, self.filter.wary) {
             (true, _) => (held, DETECTED),
             (false, 1..) => (by_rolling, WARY),
             (false, 0) => (by_rolling, TRUSTING),
@@ -141,7 +141,7 @@ impl Estimator {
     /// slippery floor, and the total excess since they started to. The whole excess has one cause,
     /// so deviations add up, and not variances.
     fn spun(&self, excess: f64, share: f64) -> (f64, f64) {
-        let before = self.belief.last.excess;
+        let before = self.filter.last.excess;
         let goes_on = excess * before > 0.0;
         let total = if goes_on { before + excess } else { excess };
         let known = if goes_on { square(before) } else { 0.0 };
@@ -151,7 +151,7 @@ impl Estimator {
     /// Returns the distance along the heading if the floor is slippery. Even if the wheels spin,
     /// the floor can accelerate or brake the robot only within its grip. A wall has no such limit.
     fn held(&self, by_rolling: f64, bumped: bool) -> f64 {
-        let last = self.belief.last.held;
+        let last = self.filter.last.held;
         // Counting whole ticks alone changes the distance from step to step by less than two ticks.
         let most = self.assumed.slippery_grip_m.max(2.0 * self.assumed.tick_m);
         if bumped {
@@ -165,7 +165,7 @@ impl Estimator {
     fn carry_covariance(&mut self, motion: &Motion, direction: Vector2<f64>, way: Vector2<f64>) {
         // The Jacobian of the motion without its diagonal of ones, times a column or a row.
         let drift = if motion.has_gyro {
-            -(1.0 + self.belief.gyro) * STEP_S
+            -(1.0 + self.filter.gyro) * STEP_S
         } else {
             0.0
         };
@@ -177,7 +177,7 @@ impl Estimator {
                 drift * state[BIAS] + motion.gyro_rad * state[GYRO],
             ]
         };
-        let covariance = &mut self.belief.covariance;
+        let covariance = &mut self.filter.covariance;
         for at in 0..STATES {
             let moved = moves(covariance.column(at).into_owned().data.0[0]);
             (0..3).for_each(|row| covariance[(row, at)] += moved[row]);
@@ -212,7 +212,7 @@ impl Estimator {
             square(assumed.wheel_share) * (square(motion.turned_rad) + square(arc))
                 + square(assumed.tick_m / assumed.wheel_base_m) / 3.0
         };
-        let covariance = &mut self.belief.covariance;
+        let covariance = &mut self.filter.covariance;
         // Splits the noise into a part for both directions, and the rest along the heading.
         let (slide, along) = (slide + skid, along - skid);
         covariance[(X, X)] += along * square(direction.x) + slide + 1e-8;

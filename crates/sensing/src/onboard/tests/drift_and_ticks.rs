@@ -76,7 +76,7 @@ fn slips_by_counting(tick_m: f64, counted: bool) -> bool {
     robot.encoders.tick_m = tick_m;
     let mut onboard = Onboard::new(&robot);
     onboard.put_down(at(0.5, 0.5));
-    let (mut speeds, mut rolled, mut told) = ([0.0_f64; 2], [0.0_f64; 2], [0.0_f64; 2]);
+    let (mut speeds, mut rolled, mut reported) = ([0.0_f64; 2], [0.0_f64; 2], [0.0_f64; 2]);
     let mut slipped = false;
     for step in 0..2_000 {
         let wanted = match step / 40 % 4 {
@@ -92,7 +92,7 @@ fn slips_by_counting(tick_m: f64, counted: bool) -> bool {
             rolled[side] += speeds[side];
             let counted_m = (rolled[side] / tick_m).floor() * tick_m;
             let now = if counted { counted_m } else { rolled[side] };
-            readings[side] = now - std::mem::replace(&mut told[side], now);
+            readings[side] = now - std::mem::replace(&mut reported[side], now);
         }
         let turned = (speeds[1] - speeds[0]) / 0.4;
         onboard.step(&super::readings(readings, turned, &[]));

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Surroundings, heading};
-use crate::agent::model::slips::each_other;
 use xcs::{Action, ByAction, MAX_ACTIONS};
+use xcscr_robot::world::each_other;
 
 /// The displacements: one cell in each of the eight directions, and none.
 pub const DISPLACEMENTS: usize = NEIGHBOURS.len() + 1;

@@ -6,8 +6,8 @@ use crate::agent::estimator::map::bump::Bump;
 use crate::agent::estimator::map::motion_model::DISPLACEMENTS;
 use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Place, Surroundings, offset};
 use crate::agent::estimator::map::robot_model::{MapStep, RobotModel};
-use crate::agent::model::slips::each_other;
 use xcs::Action;
+use xcscr_robot::world::each_other;
 
 /// The cell states that a percept can show.
 const STATES: [CellState; 3] = [CellState::Free, CellState::Wall, CellState::Goal];

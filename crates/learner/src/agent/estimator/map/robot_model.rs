@@ -5,8 +5,8 @@ use crate::agent::estimator::map::motion_model::{DISPLACEMENTS, MotionModel};
 use crate::agent::estimator::map::place::{
     CellState, NEIGHBOURS, NOWHERE, Place, Surroundings, Vision, offset,
 };
-use crate::agent::model::slips::each_other;
 use xcs::Action;
+use xcscr_robot::world::each_other;
 
 /// A step: the percept and the chosen action.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -7,7 +7,7 @@ use crate::agent::estimator::map::cell_counts::CellCounts;
 use crate::agent::estimator::map::map_set::MapSet;
 use crate::agent::estimator::map::observations::Observations;
 use crate::agent::estimator::map::robot_model::MapStep;
-use crate::agent::model::slips::each_other;
+use xcscr_robot::world::each_other;
 
 /// The least advantage of an empty map over an existing one, in bits, to open a new map.
 pub(super) const OPENING_COST: f64 = 3.0;
