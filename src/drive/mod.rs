@@ -23,8 +23,6 @@ mod readings;
 mod reason;
 mod setup;
 mod simulated;
-#[cfg(test)]
-mod tests;
 mod timeline;
 mod watch;
 

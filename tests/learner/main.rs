@@ -8,6 +8,7 @@ mod kit;
 mod advice;
 mod auxiliary;
 mod ceilings;
+mod driving;
 mod examples;
 mod exporting;
 mod knowledge;

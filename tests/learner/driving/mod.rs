@@ -5,14 +5,14 @@ mod scans;
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::*;
-use crate::agent::Knowledge;
-use crate::arena::{Outcome, Speeds};
-use crate::record::{DriveBag, DriveRecording};
-use crate::sensor::Sensor;
-use crate::trial::{Plan, RobotProfile};
-use crate::world::{Cell, Maze, Paths};
-use xcs::Action;
+use xcscr::agent::Knowledge;
+use xcscr::arena::{Outcome, Speeds};
+use xcscr::drive::*;
+use xcscr::record::{DriveBag, DriveRecording};
+use xcscr::sensor::Sensor;
+use xcscr::trial::{Plan, RobotProfile};
+use xcscr::world::{Cell, Maze, Paths};
+use xcscr::xcs::Action;
 
 const STEP_NS: u64 = 50_000_000;
 
