@@ -1,5 +1,6 @@
 //! A ROS 2 node and its topics.
 
+use ros2_client::dds::rustdds::Topic;
 use ros2_client::dds::rustdds::discovery::PublicationBuiltinTopicData;
 use ros2_client::qos::{Durability, History, WhenFull};
 use ros2_client::ros2::QosPolicies;
@@ -80,38 +81,40 @@ impl Link {
         Name::new(&whole, base).map_err(failed(format!("the topic `{topic}`")))
     }
 
+    /// Creates a topic with a message type.
+    fn topic(
+        &self,
+        topic: &str,
+        [package, kind]: [&str; 2],
+        qos: &QosProfile,
+    ) -> Result<Topic, Error> {
+        let (name, kind) = (self.name(topic)?, MessageTypeName::new(package, kind));
+        let made = self.node.create_topic(&name, kind, qos);
+        made.map_err(failed(format!("the topic `{topic}`")))
+    }
+
     /// Creates a publisher on a topic.
     pub fn publisher<M: Serialize>(
         &mut self,
         topic: &str,
-        [package, kind]: [&str; 2],
+        kind: [&str; 2],
         qos: &QosProfile,
     ) -> Result<Publisher<M>, Error> {
-        let what = || format!("the publisher on `{topic}`");
-        let made =
-            self.node
-                .create_topic(&self.name(topic)?, MessageTypeName::new(package, kind), qos);
-        let made = made.map_err(failed(what()))?;
-        self.node
-            .create_publisher(&made, None)
-            .map_err(failed(what()))
+        let made = self.topic(topic, kind, qos)?;
+        let published = self.node.create_publisher(&made, None);
+        published.map_err(failed(format!("the publisher on `{topic}`")))
     }
 
     /// Creates a subscription to a topic.
     pub fn subscription<M: DeserializeOwned + 'static>(
         &mut self,
         topic: &str,
-        [package, kind]: [&str; 2],
+        kind: [&str; 2],
         qos: &QosProfile,
     ) -> Result<Subscription<M>, Error> {
-        let what = || format!("the subscription to `{topic}`");
-        let made =
-            self.node
-                .create_topic(&self.name(topic)?, MessageTypeName::new(package, kind), qos);
-        let made = made.map_err(failed(what()))?;
-        self.node
-            .create_subscription(&made, None)
-            .map_err(failed(what()))
+        let made = self.topic(topic, kind, qos)?;
+        let subscribed = self.node.create_subscription(&made, None);
+        subscribed.map_err(failed(format!("the subscription to `{topic}`")))
     }
 
     /// Returns the name of a topic in DDS.

@@ -1,8 +1,10 @@
 //! A recording as text for a terminal: the maze with the robot and its decision, at any time.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use serde_json::Value;
+use textwrap::{Options, WordSplitter};
 
 use super::data::{Data, Timed, world};
 use crate::error::Error;
@@ -174,19 +176,14 @@ fn estimate(estimate: &Timed) -> String {
 /// Breaks a line between words into at least one and at most `most` lines of at most this many
 /// columns. What does not fit stays in the last one.
 fn wrapped(line: &str, columns: usize, most: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in line.split(' ') {
-        let is_last = lines.len() >= most;
-        let current = lines.last_mut().expect("there is a line");
-        let length = current.chars().count() + 1 + word.chars().count();
-        if current.is_empty() {
-            current.push_str(word);
-        } else if is_last || length <= columns {
-            current.push(' ');
-            current.push_str(word);
-        } else {
-            lines.push(format!("  {word}"));
-        }
+    let options = Options::new(columns)
+        .subsequent_indent("  ")
+        .break_words(false)
+        .word_splitter(WordSplitter::NoHyphenation);
+    let lines = textwrap::wrap(line, options).into_iter();
+    let mut lines: Vec<String> = lines.map(Cow::into_owned).collect();
+    for rest in lines.split_off(most.min(lines.len())) {
+        lines[most - 1] += &rest[1..];
     }
     lines
 }
