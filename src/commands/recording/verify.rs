@@ -48,7 +48,7 @@ fn difference(file: &Path, again: &mut Option<Again>) -> Result<Option<String>, 
     if recording.extent() == Some(RecordingKind::Comparison) {
         return Ok(Comparison::difference(&recording)?);
     }
-    let source = Source::of(file)?;
+    let source = Source::of_recording(&recording)?;
     let run = match again.take().filter(|run| run.serves(&source)) {
         Some(run) => run,
         None => {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::fields::{Fields, fields};
 use crate::episode::Episode;
 
 /// The maximum number of points. When it is reached, every second point is dropped.
@@ -27,6 +28,15 @@ impl Curve {
         };
         self.stride = stride.clamp(1, 1 << 20);
         self
+    }
+
+    /// Returns the message.
+    pub fn message(&self) -> Fields {
+        fields! { "curve.json":
+            episode: self.episode,
+            steps: self.steps,
+            collisions: self.collisions,
+        }
     }
 
     /// Adds an episode.

@@ -28,6 +28,7 @@ pub(super) mod values;
 mod well_known;
 
 pub(super) use caption::Caption;
+pub(super) use fields::Fields;
 pub(super) use scene::{ESTIMATE, ROBOT, WORLD, nanoseconds, size_m, timestamp};
 pub(super) use well_known::{WellKnown, decoded, encoded};
 

@@ -1,11 +1,10 @@
 //! The open files, and the distribution of messages to them.
 
 use foxglove::Encode;
-use serde::Serialize;
 
 use super::log_file::OpenFile;
 use crate::error::Error;
-use crate::record::topics::Topic;
+use crate::record::topics::{Fields, Topic};
 
 /// The open files that a message is written to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,7 +52,7 @@ impl Outbox {
         to: For,
         topic: Topic,
         time_ns: u64,
-        message: &impl Serialize,
+        message: &Fields,
     ) -> Result<(), Error> {
         self.scratch.clear();
         serde_json::to_writer(&mut self.scratch, message)

@@ -166,7 +166,7 @@ impl EventLogger {
         self.show_learned(out, For::Episode, view.maze, time_ns)?;
         self.show_landscape(out, For::Episode, view.maze, time_ns)?;
         self.show_trail(out, For::Episode, time_ns)?;
-        out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
+        out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve.message())?;
         let clear = contact::clear(episode, 0);
         out.send_json(For::Episode, Topic::Contact, time_ns, &clear)?;
         let running = episode::running(episode, self.was_optimal);
@@ -227,7 +227,7 @@ impl EventLogger {
         if !self.belief.is_empty() {
             self.show_percept(out, time_ns)?;
         }
-        out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
+        out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve.message())?;
         // The state is unchanged, but viewers draw it only up to its last message.
         let clear = contact::clear(episode.episode, episode.steps);
         out.send_json(For::Episode, Topic::Contact, time_ns, &clear)?;
