@@ -87,8 +87,7 @@ impl Trained {
         let mut rules: Vec<_> = rules.iter().collect();
         rules.sort_by_key(|rule| std::cmp::Reverse(rule.experience));
         let described = rules.into_iter().map(|rule| {
-            let alleles = |at| rule.condition.allele(at);
-            let words = self.knowledge.words(config.sensor, maze, &alleles);
+            let words = self.knowledge.words(config.sensor, maze, &rule.condition);
             let action = maze.action_name(rule.action);
             (words, action, rule.prediction, rule.error, rule.experience)
         });

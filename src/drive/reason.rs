@@ -9,7 +9,7 @@ pub fn explain(decision: &mut Decision, setup: &DriveSetup, policy: &Frozen) {
     decision.rule = policy.decisive_rule(decision.action);
     let (maze, knowledge) = (&setup.maze, &setup.knowledge);
     let because = match &decision.rule {
-        Some(rule) => knowledge.words(setup.sensor, maze, &|at| rule.allele(at)),
+        Some(rule) => knowledge.words(setup.sensor, maze, rule),
         None if decision.values.greatest().is_none() => "nothing is known here".to_owned(),
         None => "the values decide".to_owned(),
     };

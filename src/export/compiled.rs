@@ -131,6 +131,7 @@ mod plain {
 
     corridor!();
     include!("templates/percept.rs");
+    include!("templates/masks.rs");
     include!("templates/neighbours.rs");
 }
 

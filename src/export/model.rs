@@ -90,6 +90,10 @@ pub(super) struct Source<'a> {
     /// For each rule its condition: for each byte of a percept, or each part of a context, a pair
     /// of numbers.
     conditions: Vec<Vec<Pair>>,
+    /// For each rule the least and the greatest column and row.
+    limits: Vec<[Pair; 2]>,
+    /// For each rule its condition without ranges.
+    ternary: Vec<String>,
     /// The parts of a context, each with the pair that demands nothing.
     parts: [(&'static str, Pair); 7],
     percept: PerceptBits,
@@ -158,14 +162,19 @@ impl<'a> Source<'a> {
                 .to_vec(),
             None => percept_pairs(policy, condition),
         };
-        let votes = policy.votes().iter();
+        let percept = PerceptBits::new(policy, provenance);
+        let votes = || policy.votes().iter();
         Self {
             model: Model::new(policy, provenance),
+            limits: votes()
+                .map(|vote| percept.limits(&vote.condition))
+                .collect(),
+            ternary: votes().map(|vote| ternary(&vote.condition)).collect(),
             origin_lines: provenance.lines(),
             size: policy.size(),
-            conditions: votes.map(|vote| pairs(&vote.condition)).collect(),
+            conditions: votes().map(|vote| pairs(&vote.condition)).collect(),
             parts: context_pairs(&[]),
-            percept: PerceptBits::new(policy, provenance),
+            percept,
             grid: Grid::new(&provenance.maze),
             robot: provenance.robot,
             scan: Scan::new(provenance),
@@ -187,6 +196,16 @@ impl PerceptBits {
             column_bits,
             row_bits,
         }
+    }
+
+    /// Returns the least and the greatest column and row that a condition matches.
+    fn limits(&self, condition: &Condition) -> [Pair; 2] {
+        let rows = self.ring_bits + self.column_bits;
+        [self.ring_bits..rows, rows..rows + self.row_bits].map(|bits| {
+            let own = condition.ranges().find(|range| range.bits() == bits);
+            let limits = own.map_or([0, u16::MAX], |range| range.limits());
+            limits.map(|limit| limit.to_string())
+        })
     }
 }
 
@@ -232,6 +251,16 @@ impl TrackerModel {
             negligible_one_in: (1.0 / NEGLIGIBLE_PROBABILITY).round() as u32,
         }
     }
+}
+
+/// Returns the bits that a condition demands, with `#` for all others.
+fn ternary(condition: &Condition) -> String {
+    let allele = |bit| {
+        condition
+            .allele(bit)
+            .map_or('#', |one| if one { '1' } else { '0' })
+    };
+    (0..condition.width()).map(allele).collect()
 }
 
 /// Returns the demands of a condition on each byte of a percept.

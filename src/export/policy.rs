@@ -7,7 +7,9 @@ use crate::agent::{CONTEXT_BITS, Knowledge, contexts};
 use crate::error::{Error, ErrorKind};
 use crate::streams::StreamName;
 use xcs::random::Stream;
-use xcs::{Action, Classifier, Condition, Params, Percept, Population, PredictionArray};
+use xcs::{
+    Action, Classifier, Condition, NumberRange, Params, Percept, Population, PredictionArray,
+};
 
 /// The widest percepts, in bits, for which all percepts are compared.
 const ALL_OF_BITS: usize = 16;
@@ -323,10 +325,25 @@ fn percepts(rules: &[Classifier], width: usize, of_world: &[Percept]) -> Vec<Per
     let mut percepts = of_world.to_vec();
     percepts.extend((0..DRAWN).map(|_| drawn(width, |_| None, &mut stream)));
     for rule in rules {
-        let allele = |bit| rule.condition.allele(bit);
-        percepts.extend((0..DRAWN_PER_RULE).map(|_| drawn(width, allele, &mut stream)));
+        percepts.extend((0..DRAWN_PER_RULE).map(|_| matched(&rule.condition, &mut stream)));
     }
     percepts
+}
+
+/// Returns a percept that a condition matches, drawn at random.
+fn matched(condition: &Condition, stream: &mut Stream) -> Percept {
+    let number = |range: &NumberRange| {
+        let [least, most] = range.limits();
+        let above = stream.below(usize::from(most - least) + 1);
+        (range.bits(), usize::from(least) + above)
+    };
+    let numbers: Vec<_> = condition.ranges().map(number).collect();
+    let of_number = |bit| {
+        let (bits, number) = numbers.iter().find(|(bits, _)| bits.contains(&bit))?;
+        Some(number >> (bits.end - 1 - bit) & 1 == 1)
+    };
+    let fixed = |bit| condition.allele(bit).or_else(|| of_number(bit));
+    drawn(condition.width(), fixed, stream)
 }
 
 /// Returns a percept with some bits fixed and the others drawn at random.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::agent::Knowledge;
-use crate::sensor::{ANYTHING, Sensor};
+use crate::sensor::{ANYTHING, Alleles, Sensor};
 use crate::trial::{Plan, words_of_context};
 use crate::world::Maze;
 use xcs::{Action, Condition};
@@ -111,10 +111,10 @@ impl Provenance {
 
     /// Describes the demands of a condition in words.
     pub(super) fn words(&self, condition: &Condition) -> String {
-        self.demanded(&|bit| condition.allele(bit))
+        self.demanded(condition)
     }
 
-    fn demanded(&self, allele: &dyn Fn(usize) -> Option<bool>) -> String {
+    fn demanded(&self, allele: Alleles<'_>) -> String {
         match self.remembers {
             true => words_of_context(self.sensor, &self.maze, allele),
             false => self.sensor.words(&self.maze, allele),

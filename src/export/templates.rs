@@ -22,8 +22,10 @@ macro_rules! files {
 }
 
 /// The source files that templates include.
-const FILES: [(&str, &str); 28] = files![
+const FILES: [(&str, &str); 34] = files![
     "percept.h",
+    "masks.h",
+    "ranges.h",
     "context.h",
     "decide.h",
     "tracker.h",
@@ -32,6 +34,8 @@ const FILES: [(&str, &str); 28] = files![
     "lidar.h",
     "scan.h",
     "percept.rs",
+    "masks.rs",
+    "ranges.rs",
     "context.rs",
     "decide.rs",
     "whole.rs",
@@ -44,6 +48,8 @@ const FILES: [(&str, &str); 28] = files![
     "lidar.rs",
     "scan.rs",
     "percept.py",
+    "masks.py",
+    "ranges.py",
     "context.py",
     "decide.py",
     "tracker.py",

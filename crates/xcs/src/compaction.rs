@@ -13,6 +13,7 @@ use fixedbitset::FixedBitSet;
 
 use super::classifier::Classifier;
 use super::condition::Condition;
+use super::layout::{Feature, Layout};
 use super::population::Population;
 use super::prediction::PredictionArray;
 use crate::signal::{Action, Percept};
@@ -26,15 +27,17 @@ const BEGINNINGS: usize = 32;
 ///
 /// The rules cover each of `percepts` in which `values` gives any action a value. Every action that
 /// they advocate there has the greatest value. Percepts may repeat; all have the same width.
+/// Conditions require ranges of the numbers in `layout`, and values of other bits.
 ///
-/// A rule's prediction is the mean value of its action where it matches, and its error is the mean
-/// deviation from that. Its experience is the greatest of the rules that it replaces.
+/// A rule's prediction and error are the mean value of its action where it matches, and the mean
+/// deviation from it. Its experience is the greatest of the rules that it replaces.
 pub fn compact(
     population: &Population,
+    layout: &Layout,
     percepts: &[Percept],
     values: impl Fn(&Percept) -> PredictionArray,
 ) -> Population {
-    let task = Task::new(population, percepts, values);
+    let task = Task::new(population, layout, percepts, values);
     let chosen = fewest(task.candidates(), task.known.len());
     let rules: Vec<Classifier> = chosen.iter().map(|one| task.classifier(one)).collect();
     rules
@@ -45,12 +48,13 @@ pub fn compact(
 /// The decisions to preserve.
 struct Task<'a> {
     population: &'a Population,
+    layout: &'a Layout,
     /// The percepts in which the population gives any action a value, each once, with the values.
     known: Vec<(Percept, PredictionArray)>,
     /// By action: the known percepts in which the action is one of the best.
     right: Vec<FixedBitSet>,
-    /// By allele: the known percepts in which the allele is 1.
-    ones: Vec<FixedBitSet>,
+    /// The features of percepts, each with the known percepts in which it is true.
+    features: Vec<(Feature, FixedBitSet)>,
 }
 
 /// A candidate for the compacted rules.
@@ -65,8 +69,8 @@ struct Candidate {
 /// A partially grown condition.
 #[derive(Clone)]
 struct Partial {
-    /// The required alleles, in ascending order.
-    alleles: Vec<usize>,
+    /// The places of the required features, in ascending order.
+    features: Vec<usize>,
     /// The known percepts that the condition matches.
     covers: FixedBitSet,
 }
@@ -74,6 +78,7 @@ struct Partial {
 impl<'a> Task<'a> {
     fn new(
         population: &'a Population,
+        layout: &'a Layout,
         percepts: &[Percept],
         values: impl Fn(&Percept) -> PredictionArray,
     ) -> Self {
@@ -99,9 +104,11 @@ impl<'a> Task<'a> {
         Self {
             population,
             right: Action::all(actions).map(is_best).collect(),
-            ones: (0..width)
-                .map(|allele| where_it(&|p, _| p.bit(allele)))
+            features: layout
+                .features(width)
+                .map(|feature| (feature, where_it(&|p, _| layout.is_true(feature, p))))
                 .collect(),
+            layout,
             known,
         }
     }
@@ -112,7 +119,7 @@ impl<'a> Task<'a> {
         for (at, (_, values)) in self.known.iter().enumerate() {
             for action in values.best_actions() {
                 let grown = self.star(at, action).into_iter();
-                candidates.extend(grown.map(|one| self.without_needless(at, action, one.alleles)));
+                candidates.extend(grown.map(|one| self.without_needless(at, action, one.features)));
             }
         }
         candidates.sort_by_key(|one| (one.condition, one.action));
@@ -134,9 +141,9 @@ impl<'a> Task<'a> {
             grown.sort_by_cached_key(|one| {
                 let fine = one.covers.intersection_count(right);
                 let wrong = one.covers.difference_count(right);
-                (Reverse(fine), wrong, one.alleles.clone())
+                (Reverse(fine), wrong, one.features.clone())
             });
-            grown.dedup_by(|a, b| a.alleles == b.alleles);
+            grown.dedup_by(|a, b| a.features == b.features);
             grown.truncate(WIDEST_STAR);
             star = grown;
         }
@@ -147,59 +154,60 @@ impl<'a> Task<'a> {
         let mut covers = FixedBitSet::with_capacity(self.known.len());
         covers.insert_range(..);
         Partial {
-            alleles: Vec::new(),
+            features: Vec::new(),
             covers,
         }
     }
 
-    /// Returns all specialisations of a condition by one allele of percept number `at` that exclude
+    /// Returns all specialisations of a condition by one feature of percept number `at` that exclude
     /// the first wrong percept. Returns the condition itself if it matches no wrong percept.
     fn ruling_out_one(&self, one: &Partial, at: usize, right: &FixedBitSet) -> Vec<Partial> {
         let Some(wrong) = one.covers.difference(right).next() else {
             return vec![one.clone()];
         };
-        let differs =
-            |allele: &usize| self.ones[*allele].contains(at) != self.ones[*allele].contains(wrong);
-        let with = |allele| {
-            let mut alleles = one.alleles.clone();
-            alleles.insert(alleles.partition_point(|&other| other < allele), allele);
+        let ones = |place: usize| &self.features[place].1;
+        let differs = |place: &usize| ones(*place).contains(at) != ones(*place).contains(wrong);
+        let with = |feature| {
+            let mut features = one.features.clone();
+            features.insert(features.partition_point(|&other| other < feature), feature);
             Partial {
-                alleles,
-                covers: self.narrowed(at, allele, &one.covers),
+                features,
+                covers: self.narrowed(at, feature, &one.covers),
             }
         };
-        (0..self.ones.len()).filter(differs).map(with).collect()
+        (0..self.features.len()).filter(differs).map(with).collect()
     }
 
-    /// Drops each allele that later alleles made unnecessary.
-    fn without_needless(&self, at: usize, action: Action, mut alleles: Vec<usize>) -> Candidate {
+    /// Drops each feature that later features made unnecessary.
+    fn without_needless(&self, at: usize, action: Action, mut features: Vec<usize>) -> Candidate {
         let right = &self.right[action.index()];
-        for place in (0..alleles.len()).rev() {
-            let dropped = alleles.remove(place);
-            if !self.matching(at, &alleles).is_subset(right) {
-                alleles.insert(place, dropped);
+        for place in (0..features.len()).rev() {
+            let dropped = features.remove(place);
+            if !self.matching(at, &features).is_subset(right) {
+                features.insert(place, dropped);
             }
         }
+        let required = features.iter().map(|&place| self.features[place].0);
         Candidate {
-            condition: Condition::of_alleles(&self.known[at].0, alleles.iter().copied()),
+            condition: self.layout.condition(&self.known[at].0, required),
             action,
-            covers: self.matching(at, &alleles),
+            covers: self.matching(at, &features),
         }
     }
 
-    /// Returns the known percepts that agree with percept number `at` in these alleles.
-    fn matching(&self, at: usize, alleles: &[usize]) -> FixedBitSet {
+    /// Returns the known percepts that agree with percept number `at` in these features.
+    fn matching(&self, at: usize, features: &[usize]) -> FixedBitSet {
         let all = self.everything().covers;
-        let narrow = |covers, &allele: &usize| self.narrowed(at, allele, &covers);
-        alleles.iter().fold(all, narrow)
+        let narrow = |covers, &feature: &usize| self.narrowed(at, feature, &covers);
+        features.iter().fold(all, narrow)
     }
 
-    /// Returns the percepts in `covers` that agree with percept number `at` in an allele.
-    fn narrowed(&self, at: usize, allele: usize, covers: &FixedBitSet) -> FixedBitSet {
-        let mut covers = covers.clone();
-        match self.ones[allele].contains(at) {
-            true => covers.intersect_with(&self.ones[allele]),
-            false => covers.difference_with(&self.ones[allele]),
+    /// Returns the percepts in `covers` that agree with percept number `at` in a feature.
+    fn narrowed(&self, at: usize, feature: usize, covers: &FixedBitSet) -> FixedBitSet {
+        let (mut covers, (_, ones)) = (covers.clone(), &self.features[feature]);
+        match ones.contains(at) {
+            true => covers.intersect_with(ones),
+            false => covers.difference_with(ones),
         }
         covers
     }
@@ -327,7 +335,8 @@ mod tests {
 
     /// Compacts a population for some percepts.
     fn compacted(population: &Population, percepts: &[Percept]) -> Population {
-        compact(population, percepts, |p| population.sums(p).array(3, false))
+        let values = |p: &Percept| population.sums(p).array(3, false);
+        compact(population, &Layout::default(), percepts, values)
     }
 
     #[test]

@@ -2,35 +2,50 @@
 
 use std::fmt;
 use std::hash::{Hash, Hasher};
+use std::ops::Range;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
 use crate::random::Stream;
+use crate::ranges::{self, NumberRange, Ranges};
 use crate::signal::{MAX_PERCEPT_BITS, PERCEPT_WORDS, Percept};
 
 type Words = [u64; PERCEPT_WORDS];
 
-/// A ternary string as wide as the percepts: `0`, `1`, or `#` for don't-care.
+/// A ternary string as wide as the percepts: `0`, `1`, or `#` for don't-care. In place of the bits of
+/// a binary number, a range of the number may stand: `[4-7:4]` takes four bits, and requires a number
+/// from 4 to 7. Only distillation and compaction create ranges (see [`Layout`](crate::Layout)).
 ///
 /// Stored as two bit masks: the bits that must agree (`care`) and their values (`value`). `value`
-/// is zero at don't-cares, so equal conditions are equal word by word.
+/// is zero at don't-cares and under ranges, so equal conditions are equal word by word.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Condition {
     value: Words,
     care: Words,
     width: u16,
+    ranges: Ranges,
 }
 
 impl Condition {
+    /// Creates the condition that matches every percept of a width.
+    pub(super) fn anything(width: usize) -> Self {
+        Self {
+            value: [0; PERCEPT_WORDS],
+            care: [0; PERCEPT_WORDS],
+            width: width as u16,
+            ranges: Ranges::default(),
+        }
+    }
+
     /// Creates the condition that matches only this percept.
     pub fn exactly(percept: &Percept) -> Self {
         let width = percept.width();
         Self {
             value: *percept.words(),
             care: std::array::from_fn(|word| bits_between(word, 0, width)),
-            width: width as u16,
+            ..Self::anything(width)
         }
     }
 
@@ -49,11 +64,7 @@ impl Condition {
     /// Creates a condition that requires the percept's value at these alleles and has don't-cares
     /// elsewhere. Alleles beyond the width are ignored.
     pub fn of_alleles(percept: &Percept, alleles: impl IntoIterator<Item = usize>) -> Self {
-        let mut condition = Self {
-            value: [0; PERCEPT_WORDS],
-            care: [0; PERCEPT_WORDS],
-            width: percept.width() as u16,
-        };
+        let mut condition = Self::anything(percept.width());
         for allele in alleles
             .into_iter()
             .filter(|&allele| allele < percept.width())
@@ -69,12 +80,30 @@ impl Condition {
         self
     }
 
+    /// Returns the ranges of numbers, in the order of their bits.
+    pub fn ranges(&self) -> impl Iterator<Item = &NumberRange> {
+        self.ranges.iter()
+    }
+
+    /// Returns the ranges for an index.
+    pub(super) fn number_ranges(&self) -> &Ranges {
+        &self.ranges
+    }
+
+    /// Returns the condition with the range of a number in place of everything required of its bits.
+    pub(super) fn within(mut self, range: NumberRange) -> Self {
+        range.bits().for_each(|bit| self.set_dont_care(bit));
+        self.ranges.set(range);
+        self
+    }
+
     /// Returns the number of alleles.
     pub fn width(&self) -> usize {
         usize::from(self.width)
     }
 
-    /// Returns the value required by allele `bit`; `None` for a don't-care.
+    /// Returns the value required by allele `bit`; `None` for a don't-care, or for a bit of a number
+    /// with a range.
     pub fn allele(&self, bit: usize) -> Option<bool> {
         let at = |words: &Words| words[bit / 64] >> (bit % 64) & 1 == 1;
         at(&self.care).then(|| at(&self.value))
@@ -86,31 +115,37 @@ impl Condition {
         [self.care, self.value].map(|words| words[bit / 64] >> (bit % 64))
     }
 
-    /// Returns the number of alleles that are not don't-cares.
+    /// Returns the number of alleles that are not don't-cares, plus one for each limit of a range.
     pub fn specificity(&self) -> usize {
-        self.care
-            .iter()
-            .map(|word| word.count_ones() as usize)
-            .sum()
+        let alleles = self.care.iter().map(|word| word.count_ones() as usize);
+        alleles.sum::<usize>() + self.ranges.specificity()
     }
 
     /// Returns true if the condition matches a percept of the same width.
     pub fn matches(&self, percept: &Percept) -> bool {
         let words = self.value.iter().zip(&self.care).zip(percept.words());
         words.fold(0, |wrong, ((value, care), p)| wrong | ((value ^ p) & care)) == 0
+            && self.ranges.match_all(percept)
     }
 
-    /// Returns true if this condition matches everything that `other` matches, and more.
+    /// Returns true if this condition matches everything that `other` matches, and more. Alleles are
+    /// compared with alleles, and ranges with ranges.
     pub fn is_more_general_than(&self, other: &Self) -> bool {
-        self.care != other.care
+        self != other
+            && self.ranges.contain(&other.ranges)
             && (0..PERCEPT_WORDS).all(|word| {
                 self.care[word] & !other.care[word] == 0
                     && (self.value[word] ^ other.value[word]) & self.care[word] == 0
             })
     }
 
-    /// Two-point crossover: exchanges the alleles `from..to`.
+    /// Two-point crossover: exchanges the alleles `from..to`, and the rest of a number with a range.
     pub fn exchange(&mut self, other: &mut Self, from: usize, to: usize) {
+        let Range {
+            start: from,
+            end: to,
+        } = self.whole_numbers(other, from..to);
+        self.ranges.exchange(&mut other.ranges, &(from..to));
         for word in 0..PERCEPT_WORDS {
             let mask = bits_between(word, from, to);
             exchange_bits(&mut self.value[word], &mut other.value[word], mask);
@@ -118,11 +153,30 @@ impl Condition {
         }
     }
 
+    /// Returns these bits, and the other bits of each number that they cut and that has a range here
+    /// or in `other`.
+    fn whole_numbers(&self, other: &Self, mut bits: Range<usize>) -> Range<usize> {
+        loop {
+            let ranges = self.ranges().chain(other.ranges()).map(NumberRange::bits);
+            let cut = ranges.filter(|number| ranges::overlap(number, &bits));
+            let whole = cut.fold(bits.clone(), |bits, number| {
+                bits.start.min(number.start)..bits.end.max(number.end)
+            });
+            if whole == bits {
+                return bits;
+            }
+            bits = whole;
+        }
+    }
+
     /// Niche mutation: flips each allele with probability `mu` between don't-care and the percept's
-    /// value, so the condition still matches the percept.
+    /// value, so the condition still matches the percept. A flip in a number with a range removes the
+    /// range.
     pub fn mutate(&mut self, percept: &Percept, mu: f64, stream: &mut Stream) {
         for bit in 0..self.width() {
             if !stream.chance(mu) {
+            } else if let Some(range) = self.ranges.at(bit).copied() {
+                self.ranges.remove(&range.bits());
             } else if self.allele(bit).is_some() {
                 self.set_dont_care(bit);
             } else {
@@ -165,17 +219,20 @@ impl Hash for Condition {
             state.write_u64(*value);
             state.write_u64(*care);
         }
+        if !self.ranges.is_empty() {
+            self.ranges.hash(state);
+        }
     }
 }
 
 impl fmt::Display for Condition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        (0..self.width()).try_for_each(|bit| {
-            f.write_str(match self.allele(bit) {
-                None => "#",
-                Some(false) => "0",
-                Some(true) => "1",
-            })
+        (0..self.width()).try_for_each(|bit| match (self.ranges.at(bit), self.allele(bit)) {
+            (Some(range), _) if range.bits().start == bit => write!(f, "{range}"),
+            (Some(_), _) => Ok(()),
+            (None, None) => f.write_str("#"),
+            (None, Some(false)) => f.write_str("0"),
+            (None, Some(true)) => f.write_str("1"),
         })
     }
 }
@@ -188,7 +245,10 @@ impl fmt::Debug for Condition {
 
 /// A text that is not a valid condition.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is not a condition: expected at most {MAX_PERCEPT_BITS} characters, each 0, 1 or #")]
+#[error(
+    "`{0}` is not a condition: expected at most {MAX_PERCEPT_BITS} characters, each 0, 1 or # (or the range \
+     of a number, such as [4-7:4])"
+)]
 pub struct ConditionError(String);
 
 impl FromStr for Condition {
@@ -196,22 +256,28 @@ impl FromStr for Condition {
 
     fn from_str(text: &str) -> Result<Self, ConditionError> {
         let error = || ConditionError(text.chars().take(MAX_PERCEPT_BITS + 1).collect());
-        if text.len() > MAX_PERCEPT_BITS {
-            return Err(error());
-        }
-        let mut condition = Self {
-            value: [0; PERCEPT_WORDS],
-            care: [0; PERCEPT_WORDS],
-            width: text.len() as u16,
-        };
-        for (bit, symbol) in text.bytes().enumerate() {
+        let mut condition = Self::anything(0);
+        let (mut rest, mut bit) = (text, 0);
+        while let Some(symbol) = rest.chars().next().filter(|_| bit < MAX_PERCEPT_BITS) {
+            rest = &rest[symbol.len_utf8()..];
             match symbol {
-                b'0' | b'1' => condition.set(bit, symbol == b'1'),
-                b'#' => {}
+                '0' | '1' => condition.set(bit, symbol == '1'),
+                '#' => {}
+                '[' => {
+                    let (range, after) = ranges::read(rest, bit).ok_or_else(error)?;
+                    if !condition.ranges.set(range) {
+                        return Err(error());
+                    }
+                    (rest, bit) = (after, range.bits().end - 1);
+                }
                 _ => return Err(error()),
             }
+            bit += 1;
         }
-        Ok(condition)
+        condition.width = bit as u16;
+        (rest.is_empty() && bit <= MAX_PERCEPT_BITS)
+            .then_some(condition)
+            .ok_or_else(error)
     }
 }
 
@@ -297,7 +363,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_condition_prints_as_it_was_read(text in "[01#]{0,320}") {
+        fn a_condition_prints_as_it_was_read(text in "[01#]{0,320}|[01#]{0,9}\\[[0-3]-[4-6]:3\\][01#]{0,9}") {
             prop_assert_eq!(condition(&text).to_string(), text);
         }
 

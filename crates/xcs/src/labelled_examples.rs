@@ -3,6 +3,7 @@
 use fixedbitset::FixedBitSet;
 use serde::{Deserialize, Serialize};
 
+use super::layout::{Feature, Layout};
 use super::prediction::PredictionArray;
 use super::signal::{Action, ByAction, MAX_ACTIONS, Percept};
 
@@ -31,8 +32,8 @@ impl LabelledExample {
     }
 }
 
-/// All examples, by the number assigned to a percept. Also stored in columns, so
-/// that what sets of examples have in common is counted 64 examples at a time.
+/// All examples, by the number assigned to a percept. Also stored in columns, one for each feature of a
+/// percept, so that what sets of examples have in common is counted 64 examples at a time.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(
     into = "Vec<Option<LabelledExample>>",
@@ -40,9 +41,12 @@ impl LabelledExample {
 )]
 pub struct LabelledExamples {
     all: Vec<Option<LabelledExample>>,
+    layout: Layout,
+    /// The width of the percepts.
+    width: usize,
     /// The numbers of the examples that exist.
     given: FixedBitSet,
-    /// By allele: the examples in whose percept the allele is 1.
+    /// By feature: the examples in whose percept the feature is true.
     ones: Vec<FixedBitSet>,
     /// By action: the examples in which the action is one of the best.
     best: ByAction<FixedBitSet>,
@@ -52,6 +56,19 @@ pub struct LabelledExamples {
 }
 
 impl LabelledExamples {
+    /// Returns the same examples for rules over percepts with this layout.
+    pub fn with_layout(self, layout: Layout) -> Self {
+        let mut examples = Self {
+            layout,
+            ..Self::default()
+        };
+        for (number, example) in self.iter() {
+            examples.give(number, *example);
+        }
+        examples.changed = self.changed;
+        examples
+    }
+
     /// Adds or changes an example. A number always refers to the same percept, and all percepts
     /// have the same width.
     pub fn give(&mut self, number: usize, labelled_example: LabelledExample) {
@@ -64,12 +81,13 @@ impl LabelledExamples {
         self.changed.push(number);
         if before.is_none() {
             self.given.grow_and_insert(number);
-            let width = self.ones.len().max(labelled_example.percept.width());
-            self.ones.resize(width, FixedBitSet::new());
-            for bit in (0..labelled_example.percept.width())
-                .filter(|&bit| labelled_example.percept.bit(bit))
-            {
-                self.ones[bit].grow_and_insert(number);
+            let percept = &labelled_example.percept;
+            self.width = percept.width();
+            for feature in self.layout.true_in(percept) {
+                let at = self.layout.place(feature, self.width);
+                let len = self.ones.len().max(at + 1);
+                self.ones.resize(len, FixedBitSet::new());
+                self.ones[at].grow_and_insert(number);
             }
         }
         for (labelled_examples, is_best) in self.best.iter_mut().zip(labelled_example.best) {
@@ -105,29 +123,49 @@ impl LabelledExamples {
         &self.given
     }
 
-    /// Returns the given examples in whose percept an allele has a value.
-    pub(super) fn with_allele(&self, some: &FixedBitSet, bit: usize, value: bool) -> FixedBitSet {
+    /// Returns the layout of the percepts.
+    pub(super) fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Returns the examples in whose percept a feature is true; `None` if there are none.
+    fn ones(&self, feature: Feature) -> Option<&FixedBitSet> {
+        let ones = self.ones.get(self.layout.place(feature, self.width))?;
+        (!ones.is_clear()).then_some(ones)
+    }
+
+    /// Returns true if a feature is true in the percept of any example.
+    pub(super) fn is_ever_true(&self, feature: Feature) -> bool {
+        self.ones(feature).is_some()
+    }
+
+    /// Returns the given examples in whose percept a feature has a value.
+    pub(super) fn with_feature(
+        &self,
+        some: &FixedBitSet,
+        feature: Feature,
+        value: bool,
+    ) -> FixedBitSet {
         let mut with = some.clone();
-        match value {
-            true => with.intersect_with(&self.ones[bit]),
-            false => with.difference_with(&self.ones[bit]),
+        match (value, self.ones(feature)) {
+            (true, Some(ones)) => with.intersect_with(ones),
+            (true, None) => with.clear(),
+            (false, ones) => ones.into_iter().for_each(|ones| with.difference_with(ones)),
         }
         with
     }
 
-    /// Counts the given examples with this value of an allele: `[with, without]` the action among
+    /// Counts the given examples with this value of a feature: `[with, without]` the action among
     /// the best.
     pub(super) fn count(
         &self,
         some: &FixedBitSet,
-        (bit, value): (usize, bool),
+        (feature, value): (Feature, bool),
         action: Action,
     ) -> [u32; 2] {
         let flip = if value { 0 } else { usize::MAX };
-        let (ones, best) = (
-            self.ones[bit].as_slice(),
-            self.best[action.index()].as_slice(),
-        );
+        let ones = self.ones(feature).map_or(&[][..], FixedBitSet::as_slice);
+        let best = self.best[action.index()].as_slice();
         let at = |words: &[usize], i: usize| words.get(i).copied().unwrap_or(0);
         let mut counts = [0; 2];
         for (i, &word) in some.as_slice().iter().enumerate() {

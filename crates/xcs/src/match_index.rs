@@ -2,6 +2,7 @@
 
 use super::condition::Condition;
 use super::representation::Index;
+use crate::ranges::Ranges;
 use crate::signal::{MAX_PERCEPT_BITS, Percept};
 
 /// Alleles per look-up.
@@ -28,6 +29,8 @@ pub struct MatchIndex {
     /// The number of tables per 64 rules.
     tables: usize,
     rules: usize,
+    /// By rule, the ranges of its condition.
+    ranges: Vec<Ranges>,
 }
 
 impl Index<Condition> for MatchIndex {
@@ -47,10 +50,12 @@ impl Index<Condition> for MatchIndex {
             }
         }
         self.rules += 1;
+        self.ranges.push(*condition.number_ranges());
     }
 
     fn swap_remove(&mut self, position: usize) {
         self.rules -= 1;
+        self.ranges.swap_remove(position);
         let (to, from) = (position % 64, self.rules % 64);
         let (to_block, from_block) = (position / 64 * self.tables, self.rules / 64 * self.tables);
         for at in 0..self.tables {
@@ -76,7 +81,10 @@ impl Index<Condition> for MatchIndex {
             let existing = u64::MAX >> (64 - (self.rules - first).min(64));
             let mut matching = !ruled_out_by(values, block) & existing;
             while matching != 0 {
-                found(first + matching.trailing_zeros() as usize);
+                let at = first + matching.trailing_zeros() as usize;
+                if self.ranges[at].match_all(percept) {
+                    found(at);
+                }
                 matching &= matching - 1;
             }
         }
@@ -114,7 +122,7 @@ mod tests {
     proptest! {
         #[test]
         fn the_index_finds_what_matching_each_rule_finds(
-            conditions in prop::collection::vec("[01#]{9}", 0..200),
+            conditions in prop::collection::vec("[01#]{9}|[01#]{4}\\[[0-3]-[4-6]:3\\][01#]{2}", 0..200),
             removed in prop::collection::vec(any::<prop::sample::Index>(), 0..100),
             percept in "[01]{9}",
         ) {

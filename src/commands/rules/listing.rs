@@ -100,5 +100,5 @@ pub fn rows(
 /// and the last steps.
 pub fn words(rule: &Classifier, plan: &Plan, knowledge: &Knowledge) -> String {
     let Plan { maze, config } = plan;
-    knowledge.words(config.sensor, maze, &|at| rule.condition.allele(at))
+    knowledge.words(config.sensor, maze, &rule.condition)
 }

@@ -38,12 +38,14 @@ fn inverse_action(rule: &InverseActionRule, plan: &Plan) -> String {
 
 fn collision(rule: &CollisionRule, plan: &Plan) -> String {
     let Plan { maze, config } = plan;
-    let allele = |at| rule.condition.allele(at);
     let (who, when) = match rule.action {
-        Some(action) => (maze.action_name(action), config.sensor.words(maze, &allele)),
+        Some(action) => (
+            maze.action_name(action),
+            config.sensor.words(maze, &rule.condition),
+        ),
         None => (
             "any action".to_owned(),
-            config.sensor.words_facing(maze, &allele),
+            config.sensor.words_facing(maze, &rule.condition),
         ),
     };
     let (hits, all) = (rule.hits, rule.hits + rule.misses);

@@ -153,10 +153,10 @@ fn source_name(source: DecisionSource) -> &'static str {
 /// Returns the demands of a condition as text, including those on the map if the condition has
 /// them.
 fn demands(step: &Step<'_>, condition: &Condition, sensor: Sensor) -> String {
-    let (maze, allele) = (step.view.maze, |at| condition.allele(at));
+    let maze = step.view.maze;
     match condition.width() == step.percept.width() {
-        true => sensor.words(maze, &allele),
-        false => words_of_context(sensor, maze, &allele),
+        true => sensor.words(maze, condition),
+        false => words_of_context(sensor, maze, condition),
     }
 }
 

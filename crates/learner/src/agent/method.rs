@@ -124,7 +124,13 @@ impl Method {
                 ..xcs.clone()
             };
             let rules = Xcs::new(rules, actions, stream(StreamName::Evolution));
-            let percept = PerceptLearner::new(rules, ring, reward, plus, planning());
+            let percept = PerceptLearner::new(
+                rules,
+                (ring, setup.layout.clone()),
+                reward,
+                plus,
+                planning(),
+            );
             Box::new(Composed::new(estimator, percept, map))
         };
         let table = |algorithm| -> Box<dyn Agent> {
@@ -174,4 +180,6 @@ pub struct Setup {
     pub sensed: bool,
     /// True if the percept begins with the eight cells around the robot and does not contain its position.
     pub shows_surroundings: bool,
+    /// The numbers in a percept.
+    pub layout: xcs::Layout,
 }

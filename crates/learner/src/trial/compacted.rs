@@ -34,7 +34,7 @@ impl Compacted {
         let percepts = sensor.at_most_percepts(maze, Self::MOST_PERCEPTS)?;
         let values = |percept: &_| knowledge.values(percept, actions);
         let learned = knowledge.rules()?;
-        let compacted = compact(learned, &percepts, values);
+        let compacted = compact(learned, &sensor.layout(maze), &percepts, values);
         // The learned rules may be fewer, because induced rules vote together.
         let rules = match compacted.len() > learned.len() {
             true => learned.clone(),
@@ -64,6 +64,7 @@ mod tests {
     use super::*;
     use crate::agent::{Estimator, Method};
     use crate::trial::{Plan, Trial};
+    use xcs::Layout;
 
     #[test]
     fn compacted_rules_are_never_more_than_were_learned_and_choose_the_same() {
@@ -89,7 +90,7 @@ mod tests {
             assert!(compacted.rules.len() <= learned.len(), "seed {seed}");
             assert_eq!(compacted.agreeing, compacted.percepts, "seed {seed}");
             let values = |percept: &_| knowledge.values(percept, maze.action_count());
-            let alone = compact(learned, &sensor.percepts(&maze), values);
+            let alone = compact(learned, &Layout::default(), &sensor.percepts(&maze), values);
             grown += usize::from(alone.len() > learned.len());
         }
         assert!(

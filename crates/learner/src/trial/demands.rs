@@ -20,11 +20,13 @@ pub fn words_of_context(sensor: Sensor, maze: &Maze, alleles: Alleles<'_>) -> St
     let seen = |alleles: Alleles<'_>| {
         // A sensor may have more bits than the context retains of its percept. The extra bits are
         // unspecified.
-        let around = |at| (at < PERCEPT_BITS).then(|| alleles(at)).flatten();
+        let around = |at| (at < PERCEPT_BITS).then(|| alleles.allele(at)).flatten();
         Some(sensor.words(maze, &around)).filter(|words| words != ANYTHING)
     };
     let mut words: Vec<String> = seen(alleles).into_iter().collect();
-    words.extend(context_words(alleles, &seen));
+    words.extend(context_words(&|at| alleles.allele(at), &|part| {
+        seen(&|at| part(at))
+    }));
     match words.is_empty() {
         true => ANYTHING.to_owned(),
         false => words.join(", "),

@@ -115,6 +115,7 @@ impl Config {
             map: settings.map,
             sensed: self.sensor.is_sensed(),
             shows_surroundings: self.sensor.shows_only_surroundings(),
+            layout: self.sensor.layout(maze),
         };
         let actions = maze.action_count();
         let ring = self.sensor.ring(actions);

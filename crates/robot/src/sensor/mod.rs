@@ -21,11 +21,11 @@ use foldhash::fast::FixedState;
 pub use params::SensorParams;
 use serde::{Deserialize, Serialize};
 use strum::{IntoStaticStr, VariantArray};
-pub use words::{ANYTHING, Alleles};
+pub use words::{ANYTHING, Alleles, Demands};
 
 use crate::arena::{ArenaKind, Sensed, View};
 use crate::world::{Cell, Maze};
-use xcs::Percept;
+use xcs::{Layout, Percept};
 
 /// The sensor types.
 #[derive(
@@ -119,6 +119,14 @@ impl Sensor {
                 [of_column, position::width(maze) - of_column]
             }
         }
+    }
+
+    /// Returns the layout of percepts: the robot's column and row are numbers.
+    pub fn layout(self, maze: &Maze) -> Layout {
+        let [of_column, of_row] = self.place_bits(maze);
+        let rows = self.width(maze) - of_row;
+        let layout = Layout::with_numbers([rows - of_column..rows, rows..rows + of_row]);
+        layout.expect("a column and a row of at most 16 bits each")
     }
 
     /// Returns the number of leading bits that form a ring around the robot, clockwise from the

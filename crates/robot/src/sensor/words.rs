@@ -4,9 +4,40 @@ use std::ops::Range;
 
 use super::{Sensor, lidar, neighbours, position};
 use crate::world::{Direction, Maze};
+use xcs::Condition;
 
-/// Returns the value that a condition requires at an allele; `None` for a don't-care.
-pub type Alleles<'a> = &'a dyn Fn(usize) -> Option<bool>;
+/// What a condition requires of a percept.
+pub trait Demands {
+    /// Returns the value that is required at an allele; `None` for a don't-care.
+    fn allele(&self, at: usize) -> Option<bool>;
+
+    /// Returns the least and the greatest number that these bits may encode, if a range is required.
+    fn range(&self, bits: Range<usize>) -> Option<[u16; 2]>;
+}
+
+impl Demands for Condition {
+    fn allele(&self, at: usize) -> Option<bool> {
+        (at < self.width()).then(|| self.allele(at)).flatten()
+    }
+
+    fn range(&self, bits: Range<usize>) -> Option<[u16; 2]> {
+        let own = self.ranges().find(|range| range.bits() == bits);
+        own.map(|range| range.limits())
+    }
+}
+
+impl<F: Fn(usize) -> Option<bool>> Demands for F {
+    fn allele(&self, at: usize) -> Option<bool> {
+        self(at)
+    }
+
+    fn range(&self, _: Range<usize>) -> Option<[u16; 2]> {
+        None
+    }
+}
+
+/// The demands of a condition. A function from alleles to their values demands no ranges.
+pub type Alleles<'a> = &'a dyn Demands;
 
 /// The words for a condition that matches everything.
 pub const ANYTHING: &str = "anything";
@@ -37,13 +68,12 @@ impl Sensor {
     }
 
     fn phrase(self, names: [&str; 8], maze: &Maze, alleles: Alleles<'_>) -> String {
-        let behind_ring = |at| alleles(at + neighbours::WIDTH);
         let words = match self {
             Self::Neighbours => around(names, alleles),
-            Self::Position => place(maze, alleles),
+            Self::Position => place(maze, 0, alleles),
             Self::NeighboursPosition => {
                 let mut words = around(names, alleles);
-                words.extend(place(maze, &behind_ring));
+                words.extend(place(maze, neighbours::WIDTH, alleles));
                 words
             }
             Self::Lidar => seen(names, alleles),
@@ -51,7 +81,7 @@ impl Sensor {
             Self::LidarBeams => beams(names, alleles),
             Self::LidarPosition => {
                 let mut words = seen(names, alleles);
-                words.extend(place(maze, &behind_ring));
+                words.extend(place(maze, neighbours::WIDTH, alleles));
                 words
             }
         };
@@ -65,7 +95,7 @@ impl Sensor {
 /// Describes two alleles for each cell: goal or not, and barred (wall or goal) or not.
 fn around(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
     let word = |(at, name): (usize, &str)| {
-        let state = match [alleles(2 * at), alleles(2 * at + 1)] {
+        let state = match [alleles.allele(2 * at), alleles.allele(2 * at + 1)] {
             [None, None] => return None,
             // No cell shows `10`; a learner that perceives it treats the cell as free.
             [Some(true), Some(false)] => "free (observation error)",
@@ -83,7 +113,7 @@ fn around(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
 /// Describes two alleles for each cell, of which only the second one can differ.
 fn seen(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
     let word = |(at, name): (usize, &str)| {
-        let state = match alleles(2 * at + 1)? {
+        let state = match alleles.allele(2 * at + 1)? {
             true => "wall",
             false => "free",
         };
@@ -98,7 +128,7 @@ fn ranges(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
         let (main, diagonal) = (names[2 * quarter], names[2 * quarter + 1]);
         let first = quarter * (lidar::FARTHEST + 1);
         let far = (1..=lidar::FARTHEST).filter_map(move |far| {
-            let at_least = alleles(first + far - 1)?;
+            let at_least = alleles.allele(first + far - 1)?;
             Some(match (at_least, far) {
                 (true, 1) => format!("{main} free"),
                 (true, _) => format!("{main} {far} cells free"),
@@ -106,7 +136,8 @@ fn ranges(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
                 (false, _) => format!("{main} wall within {far} cells"),
             })
         });
-        let beside = alleles(first + lidar::FARTHEST)
+        let beside = alleles
+            .allele(first + lidar::FARTHEST)
             .map(|free| format!("{diagonal} {}", if free { "free" } else { "wall" }));
         far.chain(beside)
     };
@@ -117,7 +148,11 @@ fn ranges(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
 fn beams(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
     let word = |beam: usize| {
         let first = beam * lidar::BEAM_BITS;
-        let letter = |at| alleles(at).map_or('#', |bit| if bit { '1' } else { '0' });
+        let letter = |at| {
+            alleles
+                .allele(at)
+                .map_or('#', |bit| if bit { '1' } else { '0' })
+        };
         let bits: String = (first..first + lidar::BEAM_BITS).map(letter).collect();
         let (name, next) = (names[beam / 2], names[(beam / 2 + 1) % 8]);
         let demands = bits.contains(['0', '1']);
@@ -132,11 +167,14 @@ fn beams(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
 /// The largest number of ranges of columns or rows that are listed in full.
 const MOST_RANGES: usize = 8;
 
-/// Describes the columns and the rows that the bits allow, as ranges.
-fn place(maze: &Maze, alleles: Alleles<'_>) -> Vec<String> {
-    let of_col = position::col_width(maze);
-    let column = coordinate(maze.width(), 0..of_col, alleles);
-    let row = coordinate(maze.height(), of_col..position::width(maze), alleles);
+/// Describes the columns and the rows that the bits from `first` on allow, as ranges.
+fn place(maze: &Maze, first: usize, alleles: Alleles<'_>) -> Vec<String> {
+    let (rows, end) = (
+        first + position::col_width(maze),
+        first + position::width(maze),
+    );
+    let column = coordinate(maze.width(), first..rows, alleles);
+    let row = coordinate(maze.height(), rows..end, alleles);
     let column = column.map(|words| format!("column {words}"));
     column
         .into_iter()
@@ -145,30 +183,37 @@ fn place(maze: &Maze, alleles: Alleles<'_>) -> Vec<String> {
 }
 
 /// Describes which of `count` columns or rows the binary digits at `bits` (highest first) allow,
-/// for example `4 to 7` or `at most 3 or 8`. Returns `None` if all of them are allowed.
+/// for example `4 to 7`, or `at most 3 or 8` without a range. Returns `None` if all of them are
+/// allowed.
 fn coordinate(count: u16, bits: Range<usize>, alleles: Alleles<'_>) -> Option<String> {
     let of_width = 1_u32 << bits.len();
-    let (mut free, mut ones) = (0, 0);
-    for (at, bit) in bits.rev().enumerate() {
-        match alleles(bit) {
-            None => free |= 1_u32 << at,
-            Some(one) => ones |= u32::from(one) << at,
-        }
-    }
-    if free + 1 == of_width {
-        return None;
-    }
+    let all = match alleles.range(bits.clone()) {
+        Some(range) => vec![range.map(u32::from)],
+        None => allowed_by_digits(bits, alleles),
+    };
     let count = u32::from(count);
-    let all = ranges_of(free, ones);
     let inside = all.iter().filter(|[first, _]| *first < count);
     let inside: Vec<_> = inside
         .map(|&[first, last]| [first, last.min(count - 1)])
         .collect();
-    Some(match inside.is_empty() {
+    match &inside[..] {
         // Only a percept with an observation error can have such a value.
-        true => format!("{} (outside the world)", in_words(&all, of_width)),
-        false => in_words(&inside, count),
-    })
+        [] => Some(format!("{} (outside the world)", in_words(&all, of_width))),
+        [[0, last]] if last + 1 == count => None,
+        _ => Some(in_words(&inside, count)),
+    }
+}
+
+/// Returns the numbers that the binary digits at `bits` (highest first) allow, as ascending ranges.
+fn allowed_by_digits(bits: Range<usize>, alleles: Alleles<'_>) -> Vec<[u32; 2]> {
+    let (mut free, mut ones) = (0, 0);
+    for (at, bit) in bits.rev().enumerate() {
+        match alleles.allele(bit) {
+            None => free |= 1_u32 << at,
+            Some(one) => ones |= u32::from(one) << at,
+        }
+    }
+    ranges_of(free, ones)
 }
 
 /// Returns the numbers with these ones and any choice of the free digits, as ascending ranges.

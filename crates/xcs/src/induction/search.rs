@@ -4,6 +4,7 @@ use fixedbitset::FixedBitSet;
 
 use crate::condition::Condition;
 use crate::labelled_examples::{LabelledExample, LabelledExamples};
+use crate::layout::Feature;
 use crate::signal::{Action, Percept};
 
 /// A rule that may join \[P\], and the examples it covers.
@@ -22,46 +23,41 @@ pub(super) fn covering(
     action: Action,
     groups: &[usize],
 ) -> Option<Candidate> {
+    let (layout, percept) = (labelled_examples.layout(), &labelled_example.percept);
     let general = Candidate {
-        condition: Condition::of_alleles(&labelled_example.percept, []),
+        condition: Condition::anything(percept.width()),
         action,
         covers: labelled_examples.given().clone(),
     };
-    let found = right_in_groups(
-        labelled_examples,
-        &general,
-        Some(&labelled_example.percept),
-        groups,
-    )?;
-    let mut alleles: Vec<usize> = demanded(&found.condition).collect();
-    for allele in demanded(&found.condition) {
-        let fewer: Vec<usize> = alleles.iter().copied().filter(|&a| a != allele).collect();
-        let covers = with_alleles(labelled_examples, &labelled_example.percept, &fewer);
+    let found = right_in_groups(labelled_examples, &general, Some(percept), groups)?;
+    let mut features = layout.required(&found.condition);
+    for feature in layout.required(&found.condition) {
+        let fewer: Vec<Feature> = features.iter().copied().filter(|&f| f != feature).collect();
+        let covers = with_features(labelled_examples, percept, &fewer);
         if labelled_examples.verdicts(&covers, action)[1] == 0 {
-            alleles = fewer;
+            features = fewer;
         }
     }
     Some(Candidate {
-        condition: Condition::of_alleles(&labelled_example.percept, alleles.iter().copied()),
+        condition: layout.condition(percept, features.iter().copied()),
         action,
-        covers: with_alleles(labelled_examples, &labelled_example.percept, &alleles),
+        covers: with_features(labelled_examples, percept, &features),
     })
 }
 
-fn demanded(condition: &Condition) -> impl Iterator<Item = usize> {
-    let condition = *condition;
-    (0..condition.width()).filter(move |&bit| condition.allele(bit).is_some())
-}
-
-/// Returns the examples whose percepts share these alleles with this percept.
-fn with_alleles(
+/// Returns the examples whose percepts share these features with this percept.
+fn with_features(
     labelled_examples: &LabelledExamples,
     percept: &Percept,
-    alleles: &[usize],
+    features: &[Feature],
 ) -> FixedBitSet {
     let given = labelled_examples.given().clone();
-    let narrow = |some, &bit: &usize| labelled_examples.with_allele(&some, bit, percept.bit(bit));
-    alleles.iter().fold(given, narrow)
+    let layout = labelled_examples.layout();
+    let narrow = |some, &feature: &Feature| {
+        let value = layout.is_true(feature, percept);
+        labelled_examples.with_feature(&some, feature, value)
+    };
+    features.iter().fold(given, narrow)
 }
 
 /// Specialises a rule as [`right`] does, with alleles from as few feature groups as possible.
@@ -77,9 +73,9 @@ pub(super) fn right_in_groups(
 }
 
 /// Specialises a rule until it covers only examples in which its action is among the best. Uses
-/// only alleles of the percept `like` if one is given.
+/// only features of bits before `end`, with the values of the percept `like` if one is given.
 ///
-/// Each step adds the allele that leaves the highest share of correct examples, (good + 1) / (all +
+/// Each step adds the feature that leaves the highest share of correct examples, (good + 1) / (all +
 /// 2). Returns `None` if no correct example would remain.
 fn right(
     labelled_examples: &LabelledExamples,
@@ -87,6 +83,7 @@ fn right(
     like: Option<&Percept>,
     end: usize,
 ) -> Option<Candidate> {
+    let layout = labelled_examples.layout();
     loop {
         let [good, bad] = labelled_examples.verdicts(&rule.covers, rule.action);
         match (good, bad) {
@@ -94,24 +91,26 @@ fn right(
             (_, 0) => return Some(rule),
             _ => {}
         }
-        let mut best: Option<((usize, bool), [u64; 2])> = None;
-        let free = (0..end).filter(|&bit| rule.condition.allele(bit).is_none());
-        for bit in free {
+        let mut best: Option<((Feature, bool), [u64; 2])> = None;
+        let features = layout.features(end).filter(|&feature| {
+            layout.is_open(feature, &rule.condition) && labelled_examples.is_ever_true(feature)
+        });
+        for feature in features {
             for value in [false, true] {
-                if like.is_some_and(|percept| percept.bit(bit) != value) {
+                if like.is_some_and(|percept| layout.is_true(feature, percept) != value) {
                     continue;
                 }
                 let [left, wrong] =
-                    labelled_examples.count(&rule.covers, (bit, value), rule.action);
+                    labelled_examples.count(&rule.covers, (feature, value), rule.action);
                 let share = [u64::from(left) + 1, u64::from(left + wrong) + 2];
                 let is_better = |&(_, [a, b]): &(_, [u64; 2])| share[0] * b > a * share[1];
                 if left > 0 && wrong < bad && best.as_ref().is_none_or(is_better) {
-                    best = Some(((bit, value), share));
+                    best = Some(((feature, value), share));
                 }
             }
         }
-        let ((bit, value), _) = best?;
-        rule.condition = rule.condition.demanding(bit, value);
-        rule.covers = labelled_examples.with_allele(&rule.covers, bit, value);
+        let ((feature, value), _) = best?;
+        rule.condition = layout.requiring(rule.condition, feature, value);
+        rule.covers = labelled_examples.with_feature(&rule.covers, feature, value);
     }
 }

@@ -1,5 +1,6 @@
 use super::*;
-use crate::signal::Action;
+use crate::layout::Layout;
+use crate::signal::{Action, Percept};
 
 /// Learns rules for percepts whose last bit tells whether any of the first two bits is set.
 fn learned(induction: Induction) -> Population {
@@ -115,4 +116,54 @@ fn a_rule_that_covers_no_example_stays_when_something_else_is_learned() {
             "control: something is learned"
         );
     }
+}
+
+/// Returns rules for a number of four bits: action 1 is best from 3 to 9, action 0 elsewhere.
+fn of_numbers(layout: Layout) -> Population {
+    let mut labelled_examples = LabelledExamples::default();
+    for number in 0..16_usize {
+        let mut best = crate::ByAction::default();
+        best[usize::from((3..=9).contains(&number))] = true;
+        let labelled_example = LabelledExample {
+            percept: format!("{number:04b}").parse().unwrap(),
+            best,
+            value: 1.0,
+        };
+        labelled_examples.give(number, labelled_example);
+    }
+    let mut labelled_examples = labelled_examples.with_layout(layout);
+    let mut population = Population::default();
+    Induction::default().learn(&mut population, &mut labelled_examples, &Params::default());
+    population
+}
+
+#[test]
+fn rules_over_a_number_are_ranges() {
+    let conditions = |population: &Population| {
+        let rules = population.rules().iter();
+        let mut texts: Vec<_> = rules.map(|rule| rule.condition.to_string()).collect();
+        texts.sort();
+        texts
+    };
+    let layout = Layout::with_numbers([0..4, 4..4]).unwrap();
+    let ranges = of_numbers(layout.clone());
+    assert_eq!(conditions(&ranges), ["[0-2:4]", "[10-15:4]", "[3-9:4]"]);
+    let bits = of_numbers(Layout::default());
+    assert!(bits.len() > 3, "control: {:?}", conditions(&bits));
+
+    let percepts: Vec<Percept> = (0..16)
+        .map(|n| format!("{n:04b}").parse().unwrap())
+        .collect();
+    let values = |p: &Percept| bits.sums(p).array(2, false);
+    let compacted = crate::compact(&bits, &layout, &percepts, values);
+    assert_eq!(conditions(&compacted), ["[0-2:4]", "[10-15:4]", "[3-9:4]"]);
+}
+
+#[test]
+fn a_layout_has_at_most_two_numbers_that_do_not_overlap() {
+    assert!(Layout::with_numbers([2..4, 4..9]).is_some());
+    assert_eq!(Layout::with_numbers([3..3, 3..3]), Some(Layout::default()));
+    assert_eq!(Layout::with_numbers([2..4, 3..9]), None);
+    assert_eq!(Layout::with_numbers([0..17, 17..18]), None);
+    assert_eq!(Layout::with_numbers([0..1, 1..2, 2..3]), None);
 }

@@ -140,7 +140,7 @@ impl EnvironmentLearner {
             model: Transitions::default(),
             known: plan.clone(),
             optimistic: plan,
-            rules: RulePolicy::new(rules),
+            rules: RulePolicy::new(rules, xcs::Layout::default()),
             progress: Progress {
                 stream: Stream::new(seed, StreamName::Exploration),
                 waiting: None,

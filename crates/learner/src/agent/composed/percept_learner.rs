@@ -23,7 +23,7 @@ use crate::agent::policy::explorer::Explorer;
 use crate::agent::policy::{PolicyKind, RulePolicy, RuleState};
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Params, PlusParams, StepCredit};
 use xcs::random::Stream;
-use xcs::{Action, Percept, PredictionArray, Xcs};
+use xcs::{Action, Layout, Percept, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
 
 /// Inputs, plan and policy over percepts.
@@ -70,11 +70,11 @@ struct Taken {
 
 impl PerceptLearner {
     /// Creates an untrained learner around an empty classifier system. The first `ring` bits of its
-    /// percepts form a ring around the robot. `planning` breaks ties between equally good paths. The
+    /// percepts form a ring around the robot; `layout` lists their numbers. `planning` breaks ties between equally good paths. The
     /// parameters must have been checked.
     pub fn new(
         xcs: Xcs,
-        ring: usize,
+        (ring, layout): (usize, Layout),
         params: Params,
         own: PlusParams,
         (policy, planning): (PolicyKind, Stream),
@@ -85,8 +85,8 @@ impl PerceptLearner {
         Self {
             actions,
             model: Transitions::default(),
-            rules: (policy == PolicyKind::Rules).then(|| RulePolicy::new(xcs)),
-            collisions: CollisionRules::new(actions, ring, own.certainty),
+            rules: (policy == PolicyKind::Rules).then(|| RulePolicy::new(xcs, layout.clone())),
+            collisions: CollisionRules::new(actions, ring, layout, own.certainty),
             exploration: Exploration::new(actions, &params, known.floor()),
             known,
             stream: planning,

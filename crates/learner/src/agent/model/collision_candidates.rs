@@ -6,13 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::agent::model::power::power;
 use crate::agent::model::tally::{Tally, verdict};
-use xcs::Condition;
-use xcs::Percept;
+use xcs::{Condition, Layout, Percept};
 
 /// The exponent of a candidate's weight as a function of its share of predicted bumps.
 const EMPHASIS: u32 = 8;
 
-/// The maximum width of percepts with candidates of two alleles. Wider ones would have too many pairs.
+/// The maximum number of parts of percepts with candidates of two parts. Larger ones would have too many pairs.
 const WIDEST_FOR_PAIRS: usize = 64;
 
 /// A condition that may predict a collision.
@@ -53,8 +52,9 @@ impl CollisionCandidates {
         evidence && candidates.all(|c| c.tally.is_valid())
     }
 
-    /// Learns that the action bumped or moved. Returns true if a forecast changes.
-    pub fn learn(&mut self, percept: &Percept, bumped: bool) -> bool {
+    /// Learns that the action bumped or moved in a percept with this layout. Returns true if a forecast
+    /// changes.
+    pub fn learn(&mut self, percept: &Percept, bumped: bool, layout: &Layout) -> bool {
         let tally = self.evidence.entry(*percept).or_default();
         let before = verdict(*tally, self.margin);
         match bumped {
@@ -62,13 +62,13 @@ impl CollisionCandidates {
             false => tally.misses += 1,
         }
         let after = verdict(*tally, self.margin);
-        let changes = after != before && self.re_evaluate(percept, before, after);
+        let changes = after != before && self.re_evaluate(percept, [before, after], layout);
         self.version += u64::from(changes);
         changes
     }
 
     /// Sets the lead that is required for a verdict, and re-evaluates everything.
-    pub fn set_margin(&mut self, margin: u32) {
+    pub fn set_margin(&mut self, margin: u32, layout: &Layout) {
         let before = std::mem::replace(&mut self.margin, margin);
         if before == margin {
             return;
@@ -82,7 +82,7 @@ impl CollisionCandidates {
             .iter()
             .filter(|(_, tally)| verdict(**tally, margin) == Some(true))
         {
-            self.add_candidates(percept);
+            self.add_candidates(percept, layout);
         }
         self.drop_inaccurate();
     }
@@ -117,11 +117,11 @@ impl CollisionCandidates {
     fn re_evaluate(
         &mut self,
         changed: &Percept,
-        before: Option<bool>,
-        after: Option<bool>,
+        [before, after]: [Option<bool>; 2],
+        layout: &Layout,
     ) -> bool {
         let recounted = self.recount(changed, before, after);
-        let added = after == Some(true) && self.add_candidates(changed);
+        let added = after == Some(true) && self.add_candidates(changed, layout);
         self.drop_inaccurate() || recounted || added
     }
 
@@ -140,14 +140,15 @@ impl CollisionCandidates {
 
     /// Creates candidates for a percept in which the action bumps. Returns false if the bump is already
     /// predicted.
-    fn add_candidates(&mut self, percept: &Percept) -> bool {
+    fn add_candidates(&mut self, percept: &Percept, layout: &Layout) -> bool {
         let mut predicted = self.candidates.iter().map(|c| c.condition);
         if predicted.any(|condition| condition.matches(percept)) {
             return false;
         }
         let old = self.candidates.len();
-        let new = pairs(percept.width()).map(|alleles| Candidate {
-            condition: Condition::of_alleles(percept, alleles),
+        let parts = layout.parts(percept.width());
+        let new = pairs(&parts).map(|parts| Candidate {
+            condition: layout.requiring_parts(percept, parts),
             tally: Tally::default(),
         });
         self.candidates.extend(new);
@@ -169,11 +170,12 @@ impl CollisionCandidates {
     }
 }
 
-/// Returns all pairs of alleles, including each allele with itself.
-fn pairs(width: usize) -> impl Iterator<Item = [usize; 2]> {
-    let second = move |first| match width > WIDEST_FOR_PAIRS {
-        true => first..first + 1,
-        false => first..width,
+/// Returns all pairs of parts, including each part with itself.
+fn pairs(parts: &[usize]) -> impl Iterator<Item = [usize; 2]> {
+    let second = move |first| match parts.len() > WIDEST_FOR_PAIRS {
+        true => &parts[first..=first],
+        false => &parts[first..],
     };
-    (0..width).flat_map(move |first| second(first).map(move |second| [first, second]))
+    let first = parts.iter().enumerate();
+    first.flat_map(move |(at, &first)| second(at).iter().map(move |&second| [first, second]))
 }

@@ -19,7 +19,7 @@ use crate::agent::model::CollisionRule;
 use crate::agent::model::collision_candidates::CollisionCandidates;
 use crate::agent::model::power::power;
 use crate::agent::model::tally::Tally;
-use xcs::{Action, ByAction, Percept};
+use xcs::{Action, ByAction, Layout, Percept};
 
 /// A collision predicted with more certainty than this counts as certain. Far from the goal, even a small
 /// doubt would give it a higher optimistic value than all known actions.
@@ -33,6 +33,9 @@ pub(in crate::agent) struct CollisionRules {
     /// The number of bits of the percept that form a ring around the robot; 0 if none do.
     #[serde(skip)]
     ring: usize,
+    /// The layout of percepts. A rule requires exact values of numbers.
+    #[serde(skip)]
+    layout: Layout,
     /// The exponent applied to a forecast.
     #[serde(skip)]
     certainty: u32,
@@ -45,10 +48,11 @@ pub(in crate::agent) struct CollisionRules {
 impl CollisionRules {
     /// Creates an untrained rule set for `actions` actions. The first `ring` bits of percepts form a
     /// ring.
-    pub fn new(actions: usize, ring: usize, certainty: u32) -> Self {
+    pub fn new(actions: usize, ring: usize, layout: Layout, certainty: u32) -> Self {
         Self {
             count: actions,
             ring,
+            layout,
             certainty,
             actions: Default::default(),
             rotated: CollisionCandidates::default(),
@@ -73,6 +77,7 @@ impl CollisionRules {
         Self {
             actions: self.actions,
             rotated: self.rotated,
+            layout: other.layout.clone(),
             ..*other
         }
     }
@@ -85,15 +90,15 @@ impl CollisionRules {
 
     /// Learns that an action bumped or moved. Returns true if a forecast may change.
     pub fn learn(&mut self, percept: &Percept, action: Action, bumped: bool) -> bool {
-        let own = self.actions[action.index()].learn(percept, bumped);
+        let own = self.actions[action.index()].learn(percept, bumped, &self.layout);
         let rotated = self.rotate(percept, action);
-        self.ring > 0 && self.rotated.learn(&rotated, bumped) || own
+        self.ring > 0 && self.rotated.learn(&rotated, bumped, &self.layout) || own
     }
 
     /// Sets the required lead of bumps or moves in a percept. If moves slip, one try is weak evidence.
     pub fn set_margin(&mut self, margin: u32) {
         let all = self.actions.iter_mut().chain([&mut self.rotated]);
-        all.for_each(|candidates| candidates.set_margin(margin));
+        all.for_each(|candidates| candidates.set_margin(margin, &self.layout));
     }
 
     /// Returns the certainty that an action bumps in a percept, from 0 to 1.
@@ -155,7 +160,7 @@ mod tests {
     use super::*;
 
     fn rules() -> CollisionRules {
-        CollisionRules::new(4, 8, 1)
+        CollisionRules::new(4, 8, Layout::default(), 1)
     }
 
     fn action(number: usize) -> Action {
@@ -230,7 +235,7 @@ mod tests {
         let mut first = rules();
         SEEN.iter()
             .for_each(|(percept, bumped)| learn(&mut first, percept, *bumped));
-        let mut next = CollisionRules::new(4, 0, 1);
+        let mut next = CollisionRules::new(4, 0, Layout::default(), 1);
         next.warm_start(&first.rules());
         assert!(
             forecast(&next, "01010000", 0) > 0.7,

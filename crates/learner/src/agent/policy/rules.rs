@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::agent::StepCredit;
 use crate::agent::credit::step_credit;
 use xcs::{
-    Action, Induction, LabelledExample, LabelledExamples, Learned, MatchSet, Percept,
+    Action, Induction, LabelledExample, LabelledExamples, Layout, Learned, MatchSet, Percept,
     PredictionArray, Xcs,
 };
 
@@ -14,6 +14,7 @@ use xcs::{
 pub struct RulePolicy {
     xcs: Xcs,
     match_set: MatchSet,
+    layout: Layout,
     examples: LabelledExamples,
     induction: Induction,
 }
@@ -26,12 +27,13 @@ pub struct RuleState {
 }
 
 impl RulePolicy {
-    /// Creates a policy without rules and examples.
-    pub fn new(xcs: Xcs) -> Self {
+    /// Creates a policy without rules and examples, for percepts with this layout.
+    pub fn new(xcs: Xcs, layout: Layout) -> Self {
         Self {
             xcs,
             match_set: MatchSet::default(),
-            examples: LabelledExamples::default(),
+            examples: LabelledExamples::default().with_layout(layout.clone()),
+            layout,
             induction: Induction::default(),
         }
     }
@@ -81,7 +83,7 @@ impl RulePolicy {
             percepts.get(number) == Some(&example.percept) && example.value.is_finite()
         };
         let valid = examples.iter().all(fits) && self.xcs.resume(rules);
-        self.examples = examples;
+        self.examples = examples.with_layout(self.layout.clone());
         valid
     }
 }
