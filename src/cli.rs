@@ -35,7 +35,7 @@ Exit codes:
   73  cannot create the output
   74  input or output error, such as a full disk
   75  interrupted, and the work can be continued: with `train --resume`, or by
-      the same `study` command
+      the same `study` or `evaluate` command
  130  interrupted for the second time, and ended at once";
 
 /// A mobile robot in a physics-simulated maze learns readable rules, and every

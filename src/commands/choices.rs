@@ -83,7 +83,10 @@ impl SettingsArgs {
     /// Returns the settings applied on top of `base`. A robot profile replaces the whole robot of
     /// `base`.
     pub fn resolve(&self, base: &Settings) -> Result<Resolved, Failure> {
-        let read = |path: &Path| read_text(path, Settings::MOST_BYTES);
+        let read = |path: &Path| match path.is_dir() {
+            true => Err(not_settings(path, "a folder")),
+            false => read_text(path, Settings::MOST_BYTES),
+        };
         let text = self.config.as_deref().map(read).transpose()?;
         let name = self.config.as_ref().map(|path| path.display().to_string());
         let robot = self.robot.as_deref().map(RobotProfile::load).transpose()?;
@@ -92,15 +95,20 @@ impl SettingsArgs {
         let resolved = Resolved::with_robot(base, robot.as_ref(), &files, &self.set);
         resolved.map_err(|error| match (error, file) {
             (SettingsError::Syntax { .. }, Some((name, text))) if is_json(text) => {
-                let message = format!(
-                    "{name} is JSON, not a settings file: `--config` takes a TOML file, such as \
-                     `xcscr config show` prints"
-                );
-                Failure::new(ErrorKind::BadData, message)
+                not_settings(Path::new(name), "JSON")
             }
             (error, _) => error.into(),
         })
     }
+}
+
+/// Returns the error for something else in the place of a settings file.
+fn not_settings(path: &Path, what: &str) -> Failure {
+    let message = format!(
+        "{} is {what}, not a settings file: `--config` takes a TOML file, such as `xcscr config show` prints",
+        path.display()
+    );
+    Failure::new(ErrorKind::BadData, message)
 }
 
 fn is_json(text: &str) -> bool {
@@ -145,17 +153,26 @@ pub fn read_rules(path: &Path) -> Result<Knowledge, Failure> {
     if path.extension().is_some_and(|end| end == "mcap") {
         return Ok(Source::of(path)?.knowledge()?);
     }
+    if !path.exists() && Maze::find(path).is_ok() {
+        return Err(world_for_policy(path, ErrorKind::Missing));
+    }
     let text = read_text(path, MOST_RULES_BYTES)?;
-    serde_json::from_str(&text).map_err(|fault| {
-        let typed = disk::typed(path);
-        let message = match Maze::from_json(text.as_bytes(), "world") {
-            Ok(_) => format!(
-                "{typed} is a world, not a learned policy: train in it with `xcscr train {typed}`, and pass the folder of the run"
-            ),
-            Err(_) => format!("{typed} holds no rules: {fault}"),
-        };
-        Failure::new(ErrorKind::BadData, message)
+    serde_json::from_str(&text).map_err(|fault| match Maze::from_json(text.as_bytes(), "world") {
+        Ok(_) => world_for_policy(path, ErrorKind::BadData),
+        Err(_) => {
+            let message = format!("{} holds no rules: {fault}", disk::typed(path));
+            Failure::new(ErrorKind::BadData, message)
+        }
     })
+}
+
+/// Returns the error for a world in the place of a learned policy.
+fn world_for_policy(path: &Path, kind: ErrorKind) -> Failure {
+    let typed = disk::typed(path);
+    let message = format!(
+        "{typed} is a world, not a learned policy: train in it with `xcscr train {typed}`, and pass the folder of the run"
+    );
+    Failure::new(kind, message)
 }
 
 /// Reads an input file of at most `most` bytes as text.

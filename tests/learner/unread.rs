@@ -13,7 +13,7 @@ use crate::kit;
 type Choice = (Method, ArenaKind, Sensor);
 
 /// Settings under which others count.
-const BASES: [&str; 21] = [
+const BASES: [&str; 23] = [
     "xcs.population_size=60",
     "arena.slip=0.1",
     "sensor.flip_probability=0.02",
@@ -35,6 +35,8 @@ const BASES: [&str; 21] = [
     "physics.localisation=estimated",
     "physics.noise=0",
     "physics.faults.stuck_encoder=true",
+    "physics.lidar.fitted=false",
+    "physics.gyro.fitted=false",
 ];
 
 fn settings(sets: &[String]) -> Option<Settings> {

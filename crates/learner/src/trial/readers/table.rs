@@ -73,6 +73,14 @@ const ALTERNATING: Condition = Condition {
     text: "`episode.alternate=true`",
     holds: |all| all.settings.episode.alternate,
 };
+const NOT_ALTERNATING: Condition = Condition {
+    text: "`episode.alternate=false`",
+    holds: |all| !(ALTERNATING.holds)(all),
+};
+const UNPLANNED_NOT_ALTERNATING: Condition = Condition {
+    text: "`plus.planned_exploration=false` and `episode.alternate=false`",
+    holds: |all| (UNPLANNED.holds)(all) && (NOT_ALTERNATING.holds)(all),
+};
 /// `xcs.ga_clock` does not need the GA: the time stamps of the rules show it.
 const GA: Condition = Condition {
     text: "`xcs.ga=true`",
@@ -119,6 +127,30 @@ const ON_A_MAP: Condition = Condition {
 const NOISE: Condition = Condition {
     text: "`physics.noise` above 0",
     holds: |all| all.settings.physics.noise > 0.0,
+};
+const LIDAR: Condition = Condition {
+    text: "`physics.lidar.fitted=true`",
+    holds: |all| all.settings.physics.lidar.fitted,
+};
+const NOISY_LIDAR: Condition = Condition {
+    text: "`physics.noise` above 0 and `physics.lidar.fitted=true`",
+    holds: |all| (NOISE.holds)(all) && (LIDAR.holds)(all),
+};
+const GYRO: Condition = Condition {
+    text: "`physics.gyro.fitted=true`",
+    holds: |all| all.settings.physics.gyro.fitted,
+};
+const NOISY_GYRO: Condition = Condition {
+    text: "`physics.noise` above 0 and `physics.gyro.fitted=true`",
+    holds: |all| (NOISE.holds)(all) && (GYRO.holds)(all),
+};
+const FAULTS: Condition = Condition {
+    text: "another setting of `physics.faults` that adds a fault",
+    holds: |all| {
+        let faults = &all.settings.physics.faults;
+        let of_a_sensor = faults.stuck_encoder || faults.dead_bumper;
+        of_a_sensor || faults.dead_sector_deg > 0.0 || faults.gyro_drift_radps2 > 0.0
+    },
 };
 /// Only a robot that estimates its pose detects wheel slip.
 const CAUTIOUS: Condition = Condition {
@@ -204,6 +236,10 @@ fn of_methods() -> Rows {
         ),
         ("reward.*", methods![XCSCR]),
         (
+            "episode.explore",
+            methods![XCS if NOT_ALTERNATING, COMPOSED if UNPLANNED_NOT_ALTERNATING, VALUE_TABLES if NOT_ALTERNATING],
+        ),
+        (
             "episode.*",
             methods![XCS, COMPOSED if UNPLANNED, VALUE_TABLES],
         ),
@@ -256,19 +292,22 @@ fn of_robots() -> Rows {
         ("physics.encoders.*", robot![Sensing]),
         ("physics.estimator.caution", robot![Sensing if NOISE]),
         ("physics.estimator.*", robot![Sensing]),
+        ("physics.faults.from_episode", robot![Sensing if FAULTS]),
         ("physics.faults.*", robot![Sensing]),
-        ("physics.gyro.noise_radps", robot![Sensing if NOISE]),
-        ("physics.gyro.bias_radps", robot![Sensing if NOISE]),
-        ("physics.gyro.scale", robot![Sensing if NOISE]),
-        ("physics.gyro.*", robot![Sensing]),
-        ("physics.lidar.noise_m", robot![Sensing if NOISE]),
-        ("physics.lidar.noise_share", robot![Sensing if NOISE]),
-        ("physics.lidar.scale", robot![Sensing if NOISE]),
-        ("physics.lidar.offset_m", robot![Sensing if NOISE]),
-        ("physics.lidar.jitter_rad", robot![Sensing if NOISE]),
-        ("physics.lidar.dropouts", robot![Sensing if NOISE]),
-        ("physics.lidar.outliers", robot![Sensing if NOISE]),
-        ("physics.lidar.*", robot![Sensing]),
+        ("physics.gyro.noise_radps", robot![Sensing if NOISY_GYRO]),
+        ("physics.gyro.bias_radps", robot![Sensing if NOISY_GYRO]),
+        ("physics.gyro.scale", robot![Sensing if NOISY_GYRO]),
+        ("physics.gyro.fitted", robot![Sensing]),
+        ("physics.gyro.*", robot![Sensing if GYRO]),
+        ("physics.lidar.noise_m", robot![Sensing if NOISY_LIDAR]),
+        ("physics.lidar.noise_share", robot![Sensing if NOISY_LIDAR]),
+        ("physics.lidar.scale", robot![Sensing if NOISY_LIDAR]),
+        ("physics.lidar.offset_m", robot![Sensing if NOISY_LIDAR]),
+        ("physics.lidar.jitter_rad", robot![Sensing if NOISY_LIDAR]),
+        ("physics.lidar.dropouts", robot![Sensing if NOISY_LIDAR]),
+        ("physics.lidar.outliers", robot![Sensing if NOISY_LIDAR]),
+        ("physics.lidar.fitted", robot![Sensing]),
+        ("physics.lidar.*", robot![Sensing if LIDAR]),
         ("physics.*", robot![Any]),
     ]
 }
