@@ -80,7 +80,7 @@ impl DriveSetup {
             )));
         }
         check_fit(&maze, &physics)?;
-        knowledge.check(config.sensor.width(&maze), maze.action_count())?;
+        knowledge.check(config.sensor, &maze)?;
         Ok(Self {
             start_in_grid: start(&maze, options.start)?,
             laser_in_base: pose(options.laser),

@@ -150,6 +150,6 @@ pub(super) fn evaluation_plan(
     plan.config.initial = None;
     plan.check()?;
     let Plan { maze, config } = &plan;
-    knowledge.check(config.sensor.width(maze), maze.action_count())?;
+    knowledge.check(config.sensor, maze)?;
     Ok(plan)
 }

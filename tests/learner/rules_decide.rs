@@ -3,12 +3,13 @@
 use std::ops::ControlFlow;
 
 use xcs::random::Stream;
-use xcs::{Action, Condition, Percept, Population};
+use xcs::{Action, Classifier, Condition, Params, Percept, Population};
 use xcscr::agent::{Agent, DecisionSource, Estimator, Explorer, Frozen, Knowledge, Method};
 use xcscr::episode::{Episode, Learned as Episodes, Observer, Step};
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
-use xcscr::trial::{Evaluation, Plan, Trial};
+use xcscr::trial::{Compacted, Evaluation, Plan, Trial};
+use xcscr::world::Paths;
 
 use crate::learned::{Learned, gridded, learned, with, world};
 
@@ -101,6 +102,87 @@ fn the_rule_that_fired_is_the_cause_turned_to_another_action_it_turns_the_robot(
         turned += 1;
     }
     assert!(turned > 5, "{turned} decisions rest on one rule");
+}
+
+/// How many alleles of rules are digits of a column or a row, and how many rules have ranges.
+fn digits_and_ranges(trial: &Learned, rules: &Population) -> [usize; 2] {
+    let Plan { maze, config } = &trial.plan;
+    let width = config.sensor.width(maze);
+    let first = width - config.sensor.place_bits(maze).iter().sum::<usize>();
+    let conditions = || rules.rules().iter().map(|rule| rule.condition);
+    let digits = conditions().flat_map(|one| (first..width).map(move |bit| one.allele(bit)));
+    let ranges = conditions().filter(|one| one.ranges().next().is_some());
+    [digits.flatten().count(), ranges.count()]
+}
+
+#[test]
+fn conditions_over_a_place_are_ranges_also_compacted_and_in_a_file() {
+    for sensor in [
+        Sensor::Position,
+        Sensor::NeighboursPosition,
+        Sensor::LidarPosition,
+    ] {
+        for name in ["maze5", "random-12-1"] {
+            let plan = |method| gridded(world(name), method).sensor(sensor).episodes(40);
+            let trial = learned(plan(Method::XcscrPlus));
+            let maze = &trial.plan.maze;
+            let width = sensor.width(maze);
+            let first = width - sensor.place_bits(maze).iter().sum::<usize>();
+            let Knowledge::PerceptRules {
+                rules,
+                generalisation,
+            } = &trial.knowledge
+            else {
+                panic!("{name}, {sensor:?}: another kind of rules");
+            };
+            let paths = Paths::new(maze);
+            let compacted = Compacted::new(&trial.knowledge, sensor, maze, &paths).unwrap();
+            assert!(compacted.optimal, "{name}, {sensor:?}");
+            for rules in [rules, &compacted.rules] {
+                let [digits, ranges] = digits_and_ranges(&trial, rules);
+                assert!(
+                    digits == 0 && ranges > 3,
+                    "{name}, {sensor:?}: {digits} {ranges}"
+                );
+            }
+            let mut collisions = generalisation.collisions.iter().map(|rule| rule.condition);
+            let has_digit = |one: Condition| (first..width).any(|bit| one.allele(bit).is_some());
+            assert!(!collisions.any(has_digit), "{name}, {sensor:?}");
+            let text = serde_json::to_string(&trial.knowledge).unwrap();
+            let read: Knowledge = serde_json::from_str(&text).unwrap();
+            assert_eq!(read, trial.knowledge, "{name}, {sensor:?}");
+
+            let genetic = learned(plan(Method::Xcs));
+            let [digits, ranges] = digits_and_ranges(&genetic, genetic.knowledge.rules().unwrap());
+            assert!(digits > 0 && ranges == 0, "control: {digits} {ranges}");
+        }
+    }
+}
+
+#[test]
+fn a_range_of_other_bits_than_the_column_or_the_row_is_refused() {
+    let trial = learned(
+        gridded(world("maze5"), Method::XcscrPlus)
+            .sensor(Sensor::Position)
+            .episodes(40),
+    );
+    let Plan { maze, config } = &trial.plan;
+    let refusal = |condition: &str| {
+        let rule = Classifier::new(
+            condition.parse().unwrap(),
+            Action::new(0).unwrap(),
+            0,
+            &Params::default(),
+        );
+        let rules = Population::try_from(vec![rule]).unwrap();
+        Knowledge::Rules(rules).check(config.sensor, maze).err()
+    };
+    assert_eq!(refusal("####[1-2:4]"), None, "control");
+    let refused = refusal("###[1-2:4]#").unwrap().to_string();
+    assert!(
+        refused.contains("not of the column or the row"),
+        "{refused}"
+    );
 }
 
 #[test]

@@ -254,9 +254,10 @@ fn mutants_of_rules() {
         };
         number += 1;
         known.values(&percept, 4).best_actions().for_each(drop);
-        if known.check(16, 4).is_ok() && number % 20 == 0 {
+        let mut plan = plan(Method::XcscrPlus, ArenaKind::Grid, 1);
+        let fits = known.check(plan.config.sensor, &plan.maze).is_ok();
+        if fits && number % 20 == 0 {
             // What is accepted can be begun with.
-            let mut plan = plan(Method::XcscrPlus, ArenaKind::Grid, 1);
             plan.config.initial = Some(known);
             let _ = plan.run();
         }

@@ -35,6 +35,12 @@ impl Layout {
         (apart && numbers.len() <= ranges::MOST).then_some(Self { numbers })
     }
 
+    /// Returns true if each range of a condition is of a number.
+    pub fn fits(&self, condition: &Condition) -> bool {
+        let is_number = |bits| self.numbers.iter().any(|all| all.bits() == bits);
+        condition.ranges().all(|range| is_number(range.bits()))
+    }
+
     /// Returns the parts of percepts of `width` bits: each bit outside of the numbers, and the first bit
     /// of each number.
     pub fn parts(&self, width: usize) -> Vec<usize> {

@@ -154,7 +154,7 @@ fn load(learned: &LearnedArgs) -> Result<(Plan, Knowledge), Failure> {
 /// Accepts only rules that fit the world of the plan.
 fn checked(plan: &Plan, knowledge: &Knowledge) -> Result<(), Failure> {
     let Plan { maze, config } = plan;
-    knowledge.check(config.sensor.width(maze), maze.action_count())?;
+    knowledge.check(config.sensor, maze)?;
     let message = match knowledge {
         _ if knowledge.rules().is_some() => return Ok(()),
         Knowledge::Planned(_) => "what was learned is a plan on a map; it has no rules",

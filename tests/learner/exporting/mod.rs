@@ -110,7 +110,9 @@ fn source_code_compiles_without_warnings_and_chooses_as_the_learner_in_every_per
         (C99, "maze6", Method::QLearning, Sensor::Neighbours),
         (C99, "maze6", Method::XcscrPlus, Sensor::NeighboursPosition),
         (Rust, "maze5", Method::XcscrPlus, Sensor::Neighbours),
+        (Rust, "maze5", Method::XcscrPlus, Sensor::LidarPosition),
         (Python, "maze4", Method::XcscrPlus, Sensor::Neighbours),
+        (Python, "maze4", Method::XcscrPlus, Sensor::Position),
     ] {
         let learned = learned(deciding(world, method, sensor));
         let (percepts, source) = (percepts(&learned.plan), text(&learned, target));

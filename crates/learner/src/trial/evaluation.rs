@@ -96,7 +96,7 @@ impl Evaluation {
     ) -> Result<Self, PlanError> {
         let plan = plan.clone().settled();
         let Plan { maze, config } = &plan;
-        knowledge.check(config.sensor.width(maze), maze.action_count())?;
+        knowledge.check(config.sensor, maze)?;
         let began_ns = arena.view().now().time_ns;
         let mut starts = Stream::new(config.seed, StreamName::Start);
         let cells = Starts::new(maze);

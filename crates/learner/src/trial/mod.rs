@@ -242,11 +242,10 @@ impl Trial {
         let Plan { maze, config } = &trial.plan;
         trial.method = trial.method.restore(&saved.method)?;
         let contradiction = |what: &str| CheckpointError::Content(what.to_owned());
-        let width = config.sensor.width(maze);
         trial
             .method
             .knowledge()
-            .check(width, maze.action_count())
+            .check(config.sensor, maze)
             .map_err(|misfit| CheckpointError::Content(misfit.to_string()))?;
         let progress = saved.progress.check(config);
         progress.map_err(|fault| CheckpointError::Content(fault.to_string()))?;

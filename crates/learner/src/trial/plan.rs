@@ -121,7 +121,7 @@ impl Config {
         let ring = self.sensor.ring(actions);
         let mut method = self.method.build(actions, ring, setup, self.seed);
         if let Some(knowledge) = &self.initial {
-            knowledge.check(self.sensor.width(maze), actions)?;
+            knowledge.check(self.sensor, maze)?;
             if !method.warm_start(knowledge) {
                 return Err(Misfit::Useless(self.method.name()));
             }

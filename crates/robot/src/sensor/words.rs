@@ -335,6 +335,26 @@ mod tests {
         assert_eq!(words, "north wall, column 4");
     }
 
+    #[test]
+    fn ranges_of_numbers_are_described_within_the_world() {
+        let words =
+            |sensor: Sensor, text: &str| sensor.words(&maze(), &text.parse::<Condition>().unwrap());
+        let of_position = |text| words(Sensor::Position, text);
+        assert_eq!(of_position("[1-2:3]##"), "column 1 to 2");
+        assert_eq!(
+            of_position("[1-7:3][0-1:2]"),
+            "column at least 1, row at most 1"
+        );
+        assert_eq!(of_position("[3-3:3]#1"), "column 3, row 1");
+        assert_eq!(of_position("[0-6:3]##"), "anything");
+        assert_eq!(
+            of_position("[5-6:3]##"),
+            "column 5 to 6 (outside the world)"
+        );
+        let around = words(Sensor::LidarPosition, "#1##############[1-2:3][1-2:2]");
+        assert_eq!(around, "north wall, column 1 to 2, row at least 1");
+    }
+
     /// Returns the numbers that the words allow, read as a person would.
     fn read(words: &str, count: u32) -> Vec<u32> {
         let number = |text: &str| text.parse::<u32>().unwrap();

@@ -14,8 +14,9 @@ use serde::{Deserialize, Serialize};
 use crate::agent::estimator::map::{CONTEXT_BITS, Map, PERCEPT_BITS, Tracker};
 use crate::agent::model::Generalisation;
 use crate::agent::policy::plan::BeliefPlan;
-use xcs::{Action, Percept};
-use xcs::{Population, PredictionArray, Xcs};
+use xcs::{Action, Layout, Percept, Population, PredictionArray, Xcs};
+use xcscr_robot::sensor::Sensor;
+use xcscr_robot::world::Maze;
 
 /// Learned knowledge: enough to follow the greedy policy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -159,11 +160,16 @@ impl Knowledge {
         }
     }
 
-    /// Checks that the knowledge fits percepts of `width` bits and `actions` actions.
+    /// Checks that the knowledge fits the percepts and the moves of a maze.
     ///
     /// # Errors
     /// The first rule or row that does not fit.
-    pub fn check(&self, width: usize, actions: usize) -> Result<(), Misfit> {
+    pub fn check(&self, sensor: Sensor, maze: &Maze) -> Result<(), Misfit> {
+        let (width, actions) = (sensor.width(maze), maze.action_count());
+        let layout = match self.remembers() {
+            true => Layout::default(),
+            false => sensor.layout(maze),
+        };
         if let Some(map) = self.map()
             && !(map.is_valid(actions) && width >= PERCEPT_BITS)
         {
@@ -180,6 +186,9 @@ impl Knowledge {
             let action = action.map_or(0, Action::index);
             let wanted = self.context_width(width);
             Misfit::check(&condition, condition.width(), wanted, action, actions)?;
+            if !layout.fits(&condition) {
+                return Err(Misfit::Ranges(condition.to_string()));
+            }
         }
         if let Self::Table(table) = self {
             for (percept, row) in table {
@@ -231,6 +240,9 @@ pub enum Misfit {
         /// The width of percepts.
         wanted: usize,
     },
+    /// The condition of a rule has a range in place of other bits than those of the column or the row.
+    #[error("rule {0} has a range that is not of the column or the row of this world's percepts")]
+    Ranges(String),
     /// A rule advocates an action that is not a move of this world.
     #[error(
         "rule {rule} advocates action {action}, but this world has only {actions} moves, counted from 0"

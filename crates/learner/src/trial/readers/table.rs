@@ -307,6 +307,8 @@ fn of_robots() -> Rows {
         ("physics.lidar.dropouts", robot![Sensing if NOISY_LIDAR]),
         ("physics.lidar.outliers", robot![Sensing if NOISY_LIDAR]),
         ("physics.lidar.fitted", robot![Sensing]),
+        // A robot waits for a turn of its lidar, even if none is fitted.
+        ("physics.lidar.rate_hz", robot![Sensing]),
         ("physics.lidar.*", robot![Sensing if LIDAR]),
         ("physics.*", robot![Any]),
     ]
