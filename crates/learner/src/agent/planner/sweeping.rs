@@ -4,6 +4,8 @@
 //! far from the goal, the collisions of slips on the path would outweigh the discounted reward, and never moving
 //! would be best.
 
+mod decisions;
+
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -13,7 +15,6 @@ use crate::agent::credit::params::Params;
 use crate::agent::model::InverseActionRule;
 use crate::agent::model::inverse_action_rules::InverseActionRules;
 use crate::agent::model::transitions::Transitions;
-use xcs::LabelledExample;
 use xcs::{Action, ByAction};
 
 /// Relative changes of a value below this are not propagated.
@@ -30,8 +31,6 @@ const NEGLIGIBLE_SLIPPING: f64 = 1e-7;
 const NEGLIGIBLE_OPTIMISM: f64 = 1e-5;
 /// The same if results vary, and all values depend on each other.
 const NEGLIGIBLE_OPTIMISM_IF_VARYING: f64 = 1e-3;
-/// Actions whose values differ by less than this share are equally good.
-const TIE: f64 = 1e-7;
 /// The maximum discount; above it values would have no floor.
 const GREATEST_DISCOUNT: f64 = 0.999_999;
 /// The number of value updates allowed at the beginning; each step allows `UPDATES_PER_STEP` more.
@@ -362,70 +361,6 @@ impl PlannedValues {
         // Values are not negative, so their bits sort in the same order.
         self.queue.push((value.to_bits(), Reverse(percept)));
         self.stale[percept] = true;
-    }
-
-    /// Returns the examples that may have changed since the last call, by the number of the
-    /// percept.
-    pub fn news(&mut self, model: &Transitions) -> Vec<(usize, LabelledExample)> {
-        let mut touched = std::mem::take(&mut self.touched);
-        touched.sort_unstable();
-        touched.dedup();
-        let labelled_examples = touched
-            .into_iter()
-            .filter(|&percept| self.values[percept] > 0.0);
-        labelled_examples
-            .map(|percept| (percept, self.labelled_example(model, percept)))
-            .collect()
-    }
-
-    /// Returns the values of the actions in a percept. The best actions have exactly equal values. Empty if no path
-    /// to a goal is known.
-    pub fn action_values(
-        &self,
-        model: &Transitions,
-        percept: usize,
-    ) -> impl Iterator<Item = (Action, f64)> {
-        let is_known = self.value(percept) > 0.0;
-        let greatest = if is_known {
-            self.greatest(model, percept)
-        } else {
-            0.0
-        };
-        let actions = Action::all(self.actions).filter(move |_| is_known);
-        actions.filter_map(move |action| {
-            let value = self.value_of(model, percept, action)?;
-            let is_best = value >= greatest * (1.0 - TIE);
-            Some((
-                action,
-                self.floor() + if is_best { greatest } else { value },
-            ))
-        })
-    }
-
-    /// Returns true if an action is one of the best in a percept, as far as known.
-    pub fn is_best(&self, model: &Transitions, percept: usize, action: Action) -> bool {
-        self.value(percept) > 0.0 && self.labelled_example(model, percept).best[action.index()]
-    }
-
-    /// Returns the labelled example of a percept: its best actions.
-    fn labelled_example(&self, model: &Transitions, percept: usize) -> LabelledExample {
-        let value = self.values[percept];
-        // Values of uncertain moves are not settled to the last digit.
-        let is_uncertain = model.slips().any() || model.required_tries() > 1;
-        let greatest = match is_uncertain {
-            true => self.greatest(model, percept),
-            false => value,
-        };
-        let mut best = ByAction::default();
-        for action in Action::all(self.actions) {
-            let own = self.value_of(model, percept, action);
-            best[action.index()] = own.is_some_and(|own| own >= greatest * (1.0 - TIE));
-        }
-        LabelledExample {
-            percept: model.percepts()[percept],
-            best,
-            value: value + self.floor(),
-        }
     }
 }
 
