@@ -15,6 +15,7 @@ use xcscr::xcs::random::Stream;
 
 /// The opcodes of records that this knows by their parts.
 const FOOTER: u8 = 2;
+const MESSAGE: u8 = 5;
 const CHUNK: u8 = 6;
 const ATTACHMENT: u8 = 9;
 const SUMMARY_OFFSET: u8 = 14;
@@ -200,4 +201,30 @@ fn what_the_index_claims_is_not_what_replay_shows() {
     let findings = recording.check();
     let claims = |what: &str| what.contains("the index says 18446744073709551615");
     assert!(findings.iter().any(|one| claims(one)), "{findings:?}");
+}
+
+/// A bit that flipped inside of a chunk before the sum over the file was made.
+#[test]
+fn a_chunk_whose_own_sum_is_wrong_is_refused_and_none_of_its_messages_is_recovered() {
+    let sound = sample();
+    let records = split(&sound[mcap::MAGIC.len()..sound.len() - mcap::MAGIC.len()]);
+    let desk = Desk::new();
+    let (broken, saved) = (desk.path("broken"), desk.path("saved"));
+    let is_chunk = |at: &usize| records[*at].0 == CHUNK;
+    let chunks: Vec<usize> = (0..records.len()).filter(is_chunk).collect();
+    assert!(chunks.len() > 1, "{chunks:?}");
+    for at in chunks {
+        let inside = split(&records[at].1[CHUNK_HEAD..]);
+        let inside = inside.iter().filter(|(opcode, _)| *opcode == MESSAGE);
+        let lost = inside.count() as u64;
+        let mut forged = records.clone();
+        *forged[at].1.last_mut().unwrap() ^= 1;
+        let bytes = file(&forged);
+        replace(&broken, &bytes);
+        let refused = Recording::from_bytes(Path::new("forged.mcap"), bytes);
+        assert!(refused.is_err(), "chunk {at}");
+        let recovery = recover(&broken, &saved, true).unwrap();
+        assert!(!recovery.is_lossless(), "chunk {at}: {recovery:?}");
+        assert_eq!(recovery.messages, 40 - lost, "chunk {at}: {recovery:?}");
+    }
 }

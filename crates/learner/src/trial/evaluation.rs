@@ -197,7 +197,7 @@ mod tests {
 
     use super::*;
     use xcs::Action;
-    use xcscr_robot::arena::ArenaKind;
+    use xcscr_robot::arena::{ArenaKind, FaultParams, Localisation};
     use xcscr_robot::sensor::Sensor;
     use xcscr_robot::world::Maze;
 
@@ -268,5 +268,46 @@ mod tests {
         // The cell south-east of the start, on every path.
         let wrong = evaluated(|cell| (cell.col, cell.row) == (2, 2));
         assert!(wrong.optimal < wrong.successes, "{wrong:?}");
+    }
+
+    /// Runs a trial of two episodes in Maze4, with a robot without noise that localises itself, and
+    /// a fixed policy. All sensors break in `from_episode`.
+    fn sensed_trial(from_episode: u32) -> Trial {
+        let maze = Maze::load("../../worlds/maze4.json".as_ref()).unwrap();
+        let (paths, sensor) = (Paths::with_slip(&maze, 0.0), Sensor::LidarPosition);
+        let row = |cell: Cell| {
+            let is_best = |action| paths.successor(&maze, cell, action).is_some();
+            let values = |action| Some(f64::from(u8::from(is_best(action))));
+            Action::all(4).map(values).collect()
+        };
+        let cells = maze.free_cells();
+        let table = cells.map(|cell| (sensor.perceive_at(&maze, cell), row(cell)));
+        let knowledge = Knowledge::Table(table.collect());
+        let mut plan = Plan::new(maze).sensor(sensor).episodes(2);
+        let physics = &mut plan.config.settings.physics;
+        physics.localisation = Localisation::Estimated;
+        physics.noise = 0.0;
+        physics.faults = FaultParams {
+            from_episode,
+            dead_sector_deg: 360.0,
+            stuck_encoder: true,
+            gyro_drift_radps2: 0.001,
+            dead_bumper: true,
+        };
+        plan.config.settings.reward.step_threshold = 30;
+        let mut trial = Trial::with_agent(plan, Box::new(Frozen::new(knowledge, 4, 30))).unwrap();
+        assert!(trial.run(&mut ()).is_continue());
+        trial
+    }
+
+    #[test]
+    fn sensors_that_broke_in_the_training_are_still_broken_when_it_is_evaluated() {
+        let [broken, sound] = [2, 9].map(sensed_trial);
+        let after = |trial: &Trial| Evaluation::after(trial, 1).unwrap();
+        assert_eq!(after(&broken).successes, 0, "{:?}", after(&broken));
+        assert!(after(&sound).is_optimal(), "control: {:?}", after(&sound));
+        let knowledge = broken.method().knowledge();
+        let new = Evaluation::run(broken.plan(), &knowledge, 1).unwrap();
+        assert!(new.is_optimal(), "control, a new robot: {new:?}");
     }
 }

@@ -109,6 +109,49 @@ mod tests {
         }
     }
 
+    /// A grid arena whose robot believes to be in another cell.
+    struct Mislocalised(GridArena, Cell);
+
+    impl Arena for Mislocalised {
+        fn reset(&mut self, start: Cell) {
+            self.0.reset(start);
+        }
+
+        fn act(&mut self, action: Action) -> Outcome {
+            self.0.act(action)
+        }
+
+        fn view(&self) -> View<'_> {
+            let cell = self.1;
+            View {
+                cell,
+                ..self.0.view()
+            }
+        }
+
+        fn lasting(&self) -> Lasting {
+            self.0.lasting()
+        }
+
+        fn continue_from(&mut self, lasting: &Lasting) {
+            self.0.continue_from(lasting);
+        }
+
+        fn reseed(&mut self, seed: u64) {
+            self.0.reseed(seed);
+        }
+    }
+
+    #[test]
+    fn a_mislocalised_robot_gets_the_reward_of_its_true_cell() {
+        let estimated = |col| Mislocalised(GridArena::new(paid()), Cell { col, row: 1 });
+        let once = [7.0, 0.0, 0.0, 0.0, 0.0];
+        for col in [1, 2, 3] {
+            let paid = outcomes(Box::new(estimated(col)));
+            assert_eq!(paid, [once, once].concat(), "estimated in column {col}");
+        }
+    }
+
     #[test]
     fn without_a_marked_cell_there_is_no_reward() {
         let plain = maze("#S..G#", "");
