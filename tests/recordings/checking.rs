@@ -7,7 +7,7 @@ use crate::kit::desk::Desk;
 use crate::kit::trial::Trial;
 use mcap::WriteOptions;
 use xcscr::record::layout;
-use xcscr::record::reader::{Message, Recording};
+use xcscr::record::reader::{Message, Recording, TopicInfo};
 
 /// What a recording of an episode in physics is made of.
 fn episode() -> Parts {
@@ -122,6 +122,21 @@ fn a_topic_that_belongs_to_the_robot_of_the_recording_must_be_there() {
         .messages
         .retain(|message| message.topic() != "/estimate");
     has_only(&parts, "the topic /estimate is missing");
+}
+
+#[test]
+fn a_topic_with_another_schema_or_another_version_of_it_is_found() {
+    let with_step = |change: fn(&mut TopicInfo)| {
+        let mut parts = episode();
+        let mut topics = parts.topics.iter_mut();
+        change(topics.find(|topic| topic.name == "/step").unwrap());
+        parts
+    };
+    let renamed = with_step(|topic| topic.schema = "other".to_owned());
+    has_only(&renamed, "/step has the schema `other`, expected `");
+    // The same JSON with other bytes.
+    let changed = with_step(|topic| topic.schema_data.push(b' '));
+    has_only(&changed, "/step has another version of the schema");
 }
 
 #[test]

@@ -374,6 +374,37 @@ mod tests {
         assert!(compacted(&rules, &["000".parse().unwrap()]).is_empty());
     }
 
+    #[test]
+    fn a_rule_has_the_experience_of_the_most_experienced_rule_that_it_replaces() {
+        // The answer is the first bit; the last rule gives another one.
+        let rules = [
+            ("00", 0, 5),
+            ("01", 0, 3),
+            ("10", 1, 7),
+            ("11", 1, 9),
+            ("11", 0, 50),
+        ];
+        let rules = rules.map(|(condition, action, experience)| {
+            let answer = usize::from(condition.starts_with('1'));
+            Classifier {
+                experience,
+                ..rule(
+                    condition,
+                    action,
+                    if action == answer { 1000.0 } else { 0.0 },
+                )
+            }
+        });
+        let full = Population::try_from(rules.to_vec()).unwrap();
+        let compacted = compacted(&full, &all_percepts(2));
+        let shown = compacted.rules().iter();
+        let mut shown: Vec<_> = shown
+            .map(|r| (r.condition.to_string(), r.experience))
+            .collect();
+        shown.sort();
+        assert_eq!(shown, [("0#".into(), 5), ("1#".into(), 9)]);
+    }
+
     proptest! {
         #[test]
         fn compacted_rules_choose_what_all_rules_choose_in_every_percept(

@@ -173,6 +173,7 @@ mod tests {
     #[test]
     fn slip_is_detected_and_expires_after_a_while() {
         assert!(detects(&[0.0, 0.02], None));
+        assert!(detects(&[0.0, -0.02], None), "to the other side");
         assert!(!detects(&[0.0, 0.009], None), "less than the setting");
         let mut long_ago = vec![0.02];
         long_ago.extend([0.0; 40]);

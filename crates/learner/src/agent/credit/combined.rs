@@ -201,3 +201,32 @@ impl Saved for Combined {
         fits.then_some(self)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the value of an action after an episode of one step, which reaches the goal or has
+    /// this outcome.
+    fn learned(outcome: Outcome) -> f64 {
+        let [evolution, imprinting] = [0_u64, 1].map(|number| Stream::new(1, number));
+        let xcs = Xcs::new(xcs::Params::default(), 2, evolution);
+        let mut method = Combined::new(xcs, Params::default(), imprinting);
+        let (percept, action) = ("0".parse().unwrap(), Action::new(0).unwrap());
+        method.observe(&percept);
+        method.update(action, outcome);
+        method.end_episode(outcome == Outcome::ReachedGoal);
+        method.values(&percept).get(action).unwrap()
+    }
+
+    #[test]
+    fn an_auxiliary_reward_counts_at_the_end_of_an_episode_that_fails_too() {
+        let [nothing, found, goal] = [
+            Outcome::Moved,
+            Outcome::FoundReward { reward: 500.0 },
+            Outcome::ReachedGoal,
+        ]
+        .map(learned);
+        assert!(nothing < found && found < goal, "{nothing} {found} {goal}");
+    }
+}

@@ -218,6 +218,17 @@ mod tests {
         assert_eq!(heads(4, false), WEST, "control");
     }
 
+    #[test]
+    fn no_path_leads_through_a_goal() {
+        let mut map = LocalMap::default();
+        Corridor(4).walk(&mut map, &[0, 1, 2, 1, 0]);
+        // A cell beyond the goal was seen, which is nearer than the end of the corridor.
+        let mut around = [CellState::Wall; 8];
+        around[EAST] = CellState::Goal;
+        map.cell_map.add(Place::new(-2, 0), &around);
+        assert_eq!(heads(&map, true), EAST);
+    }
+
     /// Returns the heading of a robot in the third cell whose last episode went from cell `begun` to the fifth cell.
     fn heads_after(begun: usize) -> (usize, LocalMap) {
         let (corridor, mut map) = (Corridor(9), LocalMap::default());

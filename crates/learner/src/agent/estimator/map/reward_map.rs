@@ -65,3 +65,26 @@ impl RewardMap {
         self.0.iter().all(is_payment)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::agent::estimator::map::place::CellState;
+
+    #[test]
+    fn a_cell_that_is_entered_twice_in_an_episode_counts_once() {
+        let [a, b] = [0, 1].map(|east| Place::new(east, 0));
+        let step = |found| MapStep {
+            found,
+            ..MapStep::moved([CellState::Free; 8], 0)
+        };
+        let mut map = RewardMap::default();
+        map.add(&[7.0, 0.0, 0.0].map(step), &[a, b, a, b].map(Some));
+        assert_eq!(map.likely(), [(b, 7.0)]);
+        map.add(&[step(0.0)], &[a, b].map(Some));
+        assert!(
+            map.likely().is_empty(),
+            "control: paid in one of two visits"
+        );
+    }
+}
