@@ -326,11 +326,15 @@ const MOST_SHOWN: u64 = 2_000;
 #[test]
 fn highlights_show_no_more_messages_of_an_episode_however_many_steps_it_has() {
     let desk = Desk::new();
-    desk.write("w.json", desk.ok("world generate --kind dfs --size 31"));
-    for limit in [2500, 5000] {
+    // A random walk along a corridor of ninety cells does not come to its end in so many steps.
+    let (wall, free) = ("#".repeat(92), ".".repeat(88));
+    let rows = [wall.clone(), format!("#S{free}G#"), wall];
+    desk.write("w.json", serde_json::json!({ "rows": rows }).to_string());
+    for limit in [2100, 4200] {
         desk.ok(&format!(
             "train @w.json --arena grid --method q-learning --quiet --episodes 1 --force --out @run \
-             --set reward.step_threshold_from_maze=false --set reward.step_threshold={limit}"
+             --set episode.explore=1 --set reward.step_threshold_from_maze=false \
+             --set reward.step_threshold={limit}"
         ));
         let recorded = count(&desk.recording("run/ep-0001.mcap"), "/step");
         assert!(recorded > MOST_SHOWN, "control: {recorded}");

@@ -1,4 +1,4 @@
-//! Recordings of default runs of all methods: their size, and the schemas in their channels.
+//! Recordings of runs of all methods: their size, and the schemas in their channels.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -16,24 +16,26 @@ use xcscr::record::reader::Recording;
 /// Bytes that recordings may take for each cell move, the highlights recording included.
 const MOST: u64 = 2000;
 
-/// A default run of a method.
-fn default_run(method: Method) -> Desk {
+/// A run of a method with the default settings and half of the episodes. What a recording holds
+/// besides steps weighs more in it than in a default run.
+fn short_run(method: Method) -> Desk {
     let desk = Desk::new();
-    desk.train("run", &format!("maze4 --method {}", method.name()));
+    let line = format!("maze4 --episodes 90 --method {}", method.name());
+    desk.train("run", &line);
     desk
 }
 
 #[test]
-fn a_default_run_of_any_method_takes_2000_bytes_for_each_cell_move_at_most() {
+fn a_run_of_any_method_takes_2000_bytes_for_each_cell_move_at_most() {
     Method::ALL.par_iter().for_each(|&method| {
-        let desk = default_run(method);
+        let desk = short_run(method);
         let files = fs::read_dir(desk.path("run")).unwrap().map(Result::unwrap);
         let recordings = files.filter(|file| file.path().extension().is_some_and(|e| e == "mcap"));
         let bytes: u64 = recordings.map(|file| file.metadata().unwrap().len()).sum();
         let steps = count(&desk.recording("run/run.mcap"), "/step");
         let what = format!("{}: {bytes} bytes for {steps} steps", method.name());
-        // 180 episodes, none of which can reach the goal in fewer than 10 steps.
-        assert!(steps >= 1800, "{what}");
+        // No episode can reach the goal in fewer than 10 steps.
+        assert!(steps >= 900, "{what}");
         println!("{what}");
         assert!(bytes / steps <= MOST, "{what}");
     });
@@ -92,7 +94,7 @@ fn every_message_of_every_method_is_what_its_schema_says() {
         }
     };
     let methods = Method::ALL.par_iter();
-    methods.for_each(|&method| check(default_run(method)));
+    methods.for_each(|&method| check(short_run(method)));
     let on_the_grid = Desk::new();
     on_the_grid.train("run", GRID);
     check(on_the_grid);

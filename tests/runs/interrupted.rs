@@ -33,7 +33,7 @@ fn assert_sound(folder: &Path, what: &str) -> usize {
 }
 
 /// The episodes of the run that is killed.
-const KILLED_EPISODES: usize = 60;
+const KILLED_EPISODES: usize = 30;
 
 /// Trains into `run`, and is stopped by signals when random episodes are recorded, until it ends by
 /// itself. Gives what it prints then.
