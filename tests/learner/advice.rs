@@ -35,6 +35,15 @@ fn office() -> Maze {
     drawn(&rows)
 }
 
+/// The world `rooms-12-1` with a reward in one cell.
+fn rewarding() -> Maze {
+    let text = world("rooms-12-1").to_json();
+    let mut world: serde_json::Value = serde_json::from_str(&text).unwrap();
+    world["rows"][5] = "#...#*..#..#".into();
+    world["reward"] = 100.into();
+    Maze::from_json(world.to_string().as_bytes(), "rewarding.json").unwrap()
+}
+
 fn plan(maze: Maze, method: Method, sensor: Sensor, episodes: u32) -> Plan {
     let plan = gridded(maze, method).sensor(sensor);
     plan.episodes(episodes).seed(1)
@@ -82,7 +91,7 @@ fn situations() -> [(Plan, &'static str); 11] {
         (chance, "--set plus.planned_exploration=true"),
         (misled, "--sensor lidar-position"),
         (
-            plan(world("maze5-helped"), XcscrPlus, Position, 60),
+            plan(rewarding(), XcscrPlus, Position, 60),
             "--sensor neighbours",
         ),
         (few, "--method xcscr-plus --episodes 30"),
