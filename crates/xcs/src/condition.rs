@@ -131,7 +131,7 @@ impl Condition {
     /// Returns true if this condition matches everything that `other` matches, and more. Alleles are
     /// compared with alleles, and ranges with ranges.
     pub fn is_more_general_than(&self, other: &Self) -> bool {
-        self != other
+        (self.care != other.care || self.ranges != other.ranges)
             && self.ranges.contain(&other.ranges)
             && (0..PERCEPT_WORDS).all(|word| {
                 self.care[word] & !other.care[word] == 0
@@ -141,13 +141,13 @@ impl Condition {
 
     /// Two-point crossover: exchanges the alleles `from..to`, and the rest of a number with a range.
     pub fn exchange(&mut self, other: &mut Self, from: usize, to: usize) {
-        let Range {
-            start: from,
-            end: to,
-        } = self.whole_numbers(other, from..to);
-        self.ranges.exchange(&mut other.ranges, &(from..to));
+        let mut bits = from..to;
+        if !self.ranges.is_empty() || !other.ranges.is_empty() {
+            bits = self.whole_numbers(other, bits);
+            self.ranges.exchange(&mut other.ranges, &bits);
+        }
         for word in 0..PERCEPT_WORDS {
-            let mask = bits_between(word, from, to);
+            let mask = bits_between(word, bits.start, bits.end);
             exchange_bits(&mut self.value[word], &mut other.value[word], mask);
             exchange_bits(&mut self.care[word], &mut other.care[word], mask);
         }

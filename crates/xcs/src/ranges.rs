@@ -95,7 +95,8 @@ pub(super) fn read(text: &str, first: usize) -> Option<(NumberRange, &str)> {
     Some((all.between(canonical(least)?, canonical(most)?)?, rest))
 }
 
-/// The ranges of a condition, in the order of their bits. None of them contains all numbers.
+/// The ranges of a condition, in the order of their bits, and unused ones after them. None of them
+/// contains all numbers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Ranges([NumberRange; MOST]);
 
@@ -110,21 +111,24 @@ impl Ranges {
     }
 
     pub fn match_all(&self, percept: &Percept) -> bool {
-        self.iter().all(|range| range.matches(percept))
+        self.is_empty() || self.iter().all(|range| range.matches(percept))
     }
 
     /// Returns true if any percept outside of `other` cannot be within these ranges.
     pub fn contain(&self, other: &Self) -> bool {
         let held = |range: &NumberRange| other.iter().any(|other| range.contains(other));
-        self.iter().all(held)
+        self.is_empty() || self.iter().all(held)
     }
 
     pub fn specificity(&self) -> usize {
-        self.iter().map(NumberRange::specificity).sum()
+        match self.is_empty() {
+            true => 0,
+            false => self.iter().map(NumberRange::specificity).sum(),
+        }
     }
 
     pub fn is_empty(&self) -> bool {
-        self.iter().next().is_none()
+        self.0[0].width == 0
     }
 
     /// Replaces the range of a number, or adds it. A range of all numbers is removed. Returns
