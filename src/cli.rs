@@ -9,7 +9,6 @@ use crate::commands::drive::{self, DriveArgs};
 use crate::commands::evaluate::{self, EvaluateArgs};
 use crate::commands::export::{self, ExportArgs};
 use crate::commands::failure::Failure;
-use crate::commands::manual::{self, ManArgs};
 use crate::commands::map::{self, MapArgs};
 use crate::commands::recording::{self, RecordingCommand};
 use crate::commands::replay::{self, ReplayArgs};
@@ -89,8 +88,6 @@ pub enum Command {
         /// The shell.
         shell: Shell,
     },
-    /// Write the manual pages into a folder.
-    Man(ManArgs),
 }
 
 impl Cli {
@@ -106,7 +103,6 @@ impl Cli {
         match self.command {
             Command::Config(command) => config::run(&command, out)?,
             Command::Completions { shell } => complete(shell, out)?,
-            Command::Man(args) => manual::run(&args, Self::command())?,
             Command::Train(args) => train::run(&args, out)?,
             Command::Evaluate(args) => evaluate::run(&args, out)?,
             Command::Drive(args) => drive::run(&args, out)?,

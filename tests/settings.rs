@@ -124,7 +124,7 @@ fn write_help(page: &mut String, words: &[&str]) {
 
 #[test]
 fn the_page_of_the_command_line_has_the_help_of_every_command() {
-    let mut page = "# Command line\n\nThe help of every command, as `xcscr COMMAND --help` prints it. `xcscr man --out DIR` writes manual pages. This page is \
+    let mut page = "# Command line\n\nThe help of every command, as `xcscr COMMAND --help` prints it. This page is \
         generated from the program (`UPDATE_DOCS=1 cargo test --test settings` regenerates it).\n"
         .to_owned();
     write_help(&mut page, &[]);

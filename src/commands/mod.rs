@@ -2,7 +2,7 @@
 //!
 //! | shared module | contents |
 //! |---|---|
-//! | `choices`, `node`, `live` | arguments that several commands take |
+//! | `choices`, `node` | arguments that several commands take |
 //! | `learned`, `source` | what a run, a recording or a file of rules holds |
 //! | `results`, `output` | what is printed to stdout, and output files |
 //! | `terminal`, `progress`, `sparkline` | text for people |
@@ -17,8 +17,6 @@ pub mod export;
 pub mod failure;
 pub mod interrupt;
 mod learned;
-mod live;
-pub mod manual;
 pub mod map;
 mod node;
 mod output;

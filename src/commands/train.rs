@@ -14,19 +14,12 @@ use xcscr::trial::{Config, Plan, Settings, Trial};
 use super::choices::{self, SettingsArgs};
 use super::failure::Failure;
 use super::interrupt::Interrupt;
-use super::live::{LIVE_PORT, LiveArgs};
 use super::output::print_json;
 use super::progress::Progress;
-use super::replay::browser;
 use super::results::Results;
-use super::terminal::{file_link, say};
+use super::terminal::say;
 use super::train_report::TrainReport;
 
-const LIVE_HELP: &str = "Stream to a viewer on this machine (needs a build with `--features live`). \
-    The training waits a minute for a viewer. While one is connected, the training runs at \
-    `--speed`; otherwise it runs as fast as possible. Pages of Foxglove and Lichtblick may connect; \
-    `--allow-origin` adds those of another viewer";
-const SPEED_HELP: &str = "Speed of the stream relative to real time [default: 10]";
 /// The options that cannot be changed once a run has begun.
 const CHOICES: [&str; 12] = [
     "world", "method", "arena", "sensor", "episodes", "seed", "out", "force", "robot", "config",
@@ -35,7 +28,6 @@ const CHOICES: [&str; 12] = [
 
 /// Arguments of `train`.
 #[derive(Debug, clap::Args)]
-#[command(mut_arg("live", |arg| arg.help(LIVE_HELP)), mut_arg("speed", |arg| arg.help(SPEED_HELP)))]
 pub struct TrainArgs {
     /// World file, or the name of a bundled world such as maze4.
     #[arg(required_unless_present = "resume")]
@@ -74,14 +66,6 @@ pub struct TrainArgs {
     /// Episodes to record: all, best, last, every:N, beams (all, with each lidar beam) or none.
     #[arg(long, default_value = "all", value_name = "MODE")]
     record: RecordMode,
-    #[command(flatten)]
-    live: LiveArgs,
-    /// Port for `--live`.
-    #[arg(long, value_name = "P", default_value_t = LIVE_PORT)]
-    port: u16,
-    /// Open the page of the highlights in the browser at the end of the run.
-    #[arg(long)]
-    open: bool,
     /// Print one JSON document instead of the report.
     #[arg(long)]
     json: bool,
@@ -118,17 +102,13 @@ impl TrainArgs {
 
 /// Trains, records, saves and reports.
 pub fn run(args: &TrainArgs, out: &mut Results) -> Result<(), Failure> {
-    let broadcast = args.live.open(args.port, 10.0)?;
-    let (mut session, interrupt) = match &args.resume {
+    let (session, interrupt) = match &args.resume {
         None => begin(args)?,
         Some(folder) => match resume(folder)? {
             (Resumed::Unfinished(session), interrupt) => (*session, interrupt),
             (Resumed::Finished(folder), _) => return say_finished(&folder, args.json, out),
         },
     };
-    if let Some(broadcast) = broadcast {
-        session.tap(broadcast.into_tap());
-    }
     let mut progress = Progress::new(session.trial(), args.quiet);
     let finished = session.run(&mut progress, &|| interrupt.came());
     drop(progress);
@@ -138,9 +118,6 @@ pub fn run(args: &TrainArgs, out: &mut Results) -> Result<(), Failure> {
         recording,
         steps,
     } = finished?;
-    if let Some(page) = folder.page().filter(|_| args.open) {
-        browser::open(&file_link(&page));
-    }
     let report = TrainReport::new(&trial, folder.path());
     if args.json {
         return print_json(&report, out);

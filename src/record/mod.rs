@@ -30,9 +30,7 @@ pub(crate) use ros::RosBag;
 pub use ros::{DriveBag, DriveRecording};
 #[cfg(feature = "ros2")]
 pub(crate) use ros::{drive_messages, messages};
-#[cfg(feature = "live")]
-pub use serve::live;
 pub use serve::server;
 pub use topics::Topic;
 pub(crate) use write::is_ours;
-pub use write::{RecordSummary, Recorder, RecorderMemory, Tap};
+pub use write::{RecordSummary, Recorder, RecorderMemory};

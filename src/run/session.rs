@@ -14,7 +14,7 @@ use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::error::{Error, ErrorKind};
 use crate::record::resume_hint::resume_hint;
-use crate::record::{RecordMode, RecordSummary, Recorder, RecorderMemory, Tap};
+use crate::record::{RecordMode, RecordSummary, Recorder, RecorderMemory};
 use crate::trial::{Checkpoint, Trial};
 
 /// Checkpoints take at most 1/`SHARE` of the run time.
@@ -116,11 +116,6 @@ impl Session {
     /// Returns the trial in its current state.
     pub fn trial(&self) -> &Trial {
         &self.trial
-    }
-
-    /// Also passes every message recorded from now on to `tap`.
-    pub fn tap(&mut self, tap: Tap) {
-        self.recorder.tap(tap);
     }
 
     /// Runs the remaining episodes and saves the learned knowledge. `observer` sees every step

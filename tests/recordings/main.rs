@@ -15,8 +15,6 @@ mod checking;
 mod copies;
 mod external;
 mod forged_recordings;
-#[cfg(feature = "live")]
-mod live;
 mod methods;
 mod page;
 mod recording;

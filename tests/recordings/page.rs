@@ -189,8 +189,6 @@ fn the_page_of_a_comparison_holds_the_pages_of_both_runs() {
     let text = desk.text("page.html");
     let direct = desk.text("direct.html");
     assert!(text == direct, "the page depends on how it was asked for");
-    let words = "give a recording of one of them";
-    desk.fails(65, "replay @both.mcap --terminal", words);
     let sides: Vec<Value> = text.split(r#"srcdoc=""#).skip(1).map(side).collect();
     let recording = desk.recording("both.mcap");
     assert_eq!(sides.len(), 2);
@@ -202,49 +200,6 @@ fn the_page_of_a_comparison_holds_the_pages_of_both_runs() {
     }
     // Two times the same run.
     assert_eq!(sides[0], sides[1]);
-}
-
-#[test]
-fn as_text_a_recording_has_a_frame_for_each_decision() {
-    let stdout = Desk::new().ok(&format!("replay {SAMPLE} --terminal"));
-    let rules = said(&sample(), "/rule");
-    let frames: Vec<&str> = stdout
-        .split("\n\n")
-        .filter(|frame| frame.contains("step"))
-        .collect();
-    assert_eq!(frames.len(), rules.len());
-    for (frame, (_, rule)) in frames.iter().zip(&rules) {
-        let [episode, step, action] = ["episode", "step", "action"].map(|key| &rule[key]);
-        let action = action.as_str().unwrap();
-        let decision = format!("episode {episode}, step {step}: {action}, chosen by");
-        assert!(frame.contains(&decision), "{decision} is not in\n{frame}");
-    }
-    // The run begins at the start, in the second column and row, and the goal is two to the left of the eastern wall.
-    let lines: Vec<&str> = frames[0].lines().collect();
-    assert!(lines[2].starts_with("██▶ "), "{}", frames[0]);
-    assert!(lines[7].ends_with("██G ██"), "{}", frames[0]);
-}
-
-#[test]
-fn a_frame_fits_and_shows_the_robot_in_any_terminal() {
-    let player = player::TextPlayer::of(&sample()).unwrap();
-    let robot = |letter: &char| "▶◥▲◤◀◣▼◢".contains(*letter);
-    for (columns, rows) in [(80, 24), (20, 24), (12, 11), (6, 9)] {
-        for t_s in player.decisions_s() {
-            let frame = player.frame(t_s, (columns, rows));
-            let widest = frame.lines().map(|line| line.chars().count()).max();
-            assert!(
-                widest <= Some(columns),
-                "{widest:?} of {columns} columns\n{frame}"
-            );
-            assert!(frame.lines().count() <= rows, "{rows} rows\n{frame}");
-            assert_eq!(
-                frame.chars().filter(robot).count(),
-                1,
-                "{columns} x {rows}\n{frame}"
-            );
-        }
-    }
 }
 
 /// The data of a page that is the value of an attribute.

@@ -6,7 +6,7 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 
 use crate::kit::desk::Desk;
-use crate::kit::program::{wait_for, wait_until};
+use crate::kit::program::wait_until;
 use crate::kit::served::Served;
 
 const SAMPLE: &str = "recordings/sample-maze4.mcap";
@@ -236,58 +236,4 @@ fn a_client_that_reads_slowly_gets_everything_while_others_are_served() {
     let mut rest = Vec::new();
     slow.read_to_end(&mut rest).unwrap();
     assert!(first.len() + rest.len() > 64 << 20);
-}
-
-/// Writes a program that writes down what it was called with, and then ends with this code.
-#[cfg(unix)]
-fn write_browser(desk: &Desk, name: &str, code: u8) {
-    use std::os::unix::fs::PermissionsExt;
-    let told = desk.name(&format!("{name}.told"));
-    let script =
-        format!("#!/bin/sh\necho \"$*\" > {told}.new\nmv {told}.new {told}\nexit {code}\n");
-    desk.write(name, script);
-    fs::set_permissions(desk.path(name), fs::Permissions::from_mode(0o755)).unwrap();
-}
-
-#[cfg(unix)]
-#[test]
-fn the_first_link_is_opened_in_the_browser_that_is_named_or_else_in_that_of_the_system() {
-    let desk = Desk::new();
-    write_browser(&desk, "named", 0);
-    write_browser(&desk, "xdg-open", 0);
-    let path = format!("{}:/usr/bin:/bin", desk.folder().display());
-    for (set, told) in [
-        (&desk.name("named")[..], "named.told"),
-        ("", "xdg-open.told"),
-    ] {
-        let mut command = desk.command(&format!("replay {SAMPLE} --open"));
-        command.env("BROWSER", set).env("PATH", &path);
-        let server = Served::of(command);
-        wait_for(&desk.path(told));
-        let mut lines = server.lines.iter();
-        let first = lines.find_map(|line| line.split_once("https://"));
-        let opened = format!("https://{}", first.unwrap().1);
-        assert_eq!(desk.text(told), opened);
-    }
-}
-
-#[cfg(unix)]
-#[test]
-fn a_browser_that_is_missing_or_fails_is_named_and_the_links_are_served() {
-    let desk = Desk::new();
-    write_browser(&desk, "failing", 3);
-    let failing = desk.name("failing");
-    for (set, why) in [
-        ("/no/such", "No such file"),
-        (&failing[..], "exit status: 3"),
-    ] {
-        let mut command = desk.command(&format!("replay {SAMPLE} --open"));
-        command.env("BROWSER", set);
-        command.stderr(fs::File::create(desk.path("said")).unwrap());
-        let server = Served::of(command);
-        wait_until("the fault is told", || desk.text("said").contains(why));
-        let words = format!("cannot open a browser with {set}");
-        assert!(desk.text("said").contains(&words), "{set}");
-        assert_serves(&server, set);
-    }
 }

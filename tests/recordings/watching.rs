@@ -197,20 +197,6 @@ fn a_server_ends_with_code_0_when_it_is_interrupted() {
     assert_eq!(server.child.wait().unwrap().code(), Some(0));
 }
 
-/// An asynchronous web server would double what a newcomer builds.
-#[test]
-fn the_default_build_is_free_of_what_live_needs() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
-    let text = fs::read_to_string(path).unwrap();
-    let manifest: toml::Table = toml::from_str(&text).unwrap();
-    assert_eq!(manifest["features"].get("default"), None);
-    let live = manifest["features"]["live"].as_array().unwrap();
-    assert_eq!(live, &[toml::Value::from("foxglove/websocket")]);
-    let foxglove = &manifest["dependencies"]["foxglove"];
-    assert_eq!(foxglove["default-features"].as_bool(), Some(false));
-    assert_eq!(foxglove.get("features"), None);
-}
-
 /// When the program changes what a run gives, make the sample anew: `cargo run -- train
 /// worlds/maze4.json --out RUN`, then copy `RUN/highlights.mcap` over it.
 #[test]

@@ -26,16 +26,6 @@ fn what_is_not_said_is_chosen_for_the_world_and_what_cannot_succeed_is_said() {
     script::run(include_str!("training.txt"));
 }
 
-#[cfg(not(feature = "live"))]
-#[test]
-fn a_build_without_live_says_how_to_get_it() {
-    script::run_at(
-        &Desk::new(),
-        "2 replay recordings/sample-maze4.mcap --live => cargo build --features live
-         2 train maze4 --live --out @new => cargo build --features live",
-    );
-}
-
 #[cfg(not(feature = "ros2"))]
 #[test]
 fn a_build_without_ros_2_says_how_to_get_it_and_still_refuses_another_robot() {

@@ -65,8 +65,7 @@ fn of_the_program(line: &str) -> Option<String> {
         return Some(line.to_owned());
     }
     let (options, rest) = line.strip_prefix("cargo run ")?.split_once("-- ")?;
-    let built = !options.contains("--features live") || cfg!(feature = "live");
-    (built && !options.contains("--example")).then(|| format!("xcscr {rest}"))
+    (!options.contains("--example")).then(|| format!("xcscr {rest}"))
 }
 
 /// A folder with the worlds and the sample recording.

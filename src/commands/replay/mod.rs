@@ -1,19 +1,16 @@
 //! `xcscr replay`: opens recordings in a viewer.
 
-pub mod browser;
 mod highlights;
 mod page;
 mod serve;
-mod stream;
-mod terminal;
 
 use std::path::PathBuf;
 
 use xcscr::ErrorKind;
 use xcscr::record::Comparison;
+use xcscr::record::server::Origin;
 
 use super::failure::Failure;
-use super::live::{LIVE_PORT, LiveArgs};
 use super::output::OutputFile;
 use super::results::Results;
 use super::source::all_recordings;
@@ -25,49 +22,37 @@ pub struct ReplayArgs {
     #[arg(required = true, value_name = "RECORDING|RUN")]
     recordings: Vec<PathBuf>,
     /// Show the highlights of two runs side by side.
-    #[arg(long, conflicts_with = "live")]
+    #[arg(long)]
     compare: bool,
     /// Write a web page that plays the recording without network, server or viewer. For a run, the
     /// page shows the highlights and the episodes; for a study, those of its best trial; with
     /// `--compare`, the highlights of two runs side by side.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["live", "output"])]
+    #[arg(long, value_name = "FILE", conflicts_with = "output")]
     html: Option<PathBuf>,
-    /// Play the recording in this terminal: the maze, the robot, and each decision in words. For a
-    /// run, play the highlights. If the output is a file or a pipe, write every decision.
-    #[arg(long, conflicts_with_all = ["live", "compare", "html", "open"])]
-    terminal: bool,
     /// Write the comparison to this file (.mcap) instead of serving it.
     #[arg(short, long, value_name = "FILE", requires = "compare")]
     output: Option<PathBuf>,
     /// Replace the file of `--html` or `--output` if it exists.
     #[arg(long)]
     force: bool,
-    /// Open the first link, or the page, in the browser.
-    #[arg(long, conflicts_with_all = ["live", "output"])]
-    open: bool,
-    #[command(flatten)]
-    live: LiveArgs,
-    /// Port [default: any free one; with `--live` 8765].
-    #[arg(long, value_name = "P")]
-    port: Option<u16>,
+    /// Also let pages of this origin read the recordings, such as https://viewer.example.
+    #[arg(long, value_name = "ORIGIN")]
+    allow_origin: Vec<Origin>,
+    /// Port [default: any free one].
+    #[arg(long, value_name = "P", default_value_t = 0, hide_default_value = true)]
+    port: u16,
 }
 
-/// Streams recordings, or serves them on this machine only and prints links that open them.
+/// Writes a page, or serves recordings on this machine only and prints links that open them.
 pub fn run(args: &ReplayArgs, out: &mut Results) -> Result<(), Failure> {
-    if args.terminal {
-        return terminal::run(&args.recordings, out);
-    }
     if let Some(file) = &args.html {
         let output = (file.as_path(), args.force);
-        return page::write(&args.recordings, args.compare, output, args.open, out);
+        return page::write(&args.recordings, args.compare, output, out);
     }
     if args.compare {
         return compare(args, out);
     }
     let files = all_recordings(&args.recordings)?;
-    if let Some(broadcast) = args.live.open(args.port.unwrap_or(LIVE_PORT), 1.0)? {
-        return stream::run(&files, broadcast);
-    }
     let shown = highlights::write_missing(&args.recordings, files)?;
     serve::run(serve::offers(&shown.files)?, &args.service(), out)
 }
@@ -75,9 +60,8 @@ pub fn run(args: &ReplayArgs, out: &mut Results) -> Result<(), Failure> {
 impl ReplayArgs {
     fn service(&self) -> serve::Service<'_> {
         serve::Service {
-            port: self.port.unwrap_or(0),
-            origins: &self.live.allow_origin,
-            open: self.open,
+            port: self.port,
+            origins: &self.allow_origin,
         }
     }
 }

@@ -10,7 +10,7 @@ use xcscr::record::{Comparison, RecordMode};
 use xcscr::run;
 use xcscr::study::{PlannedStudy, StudyFolder};
 
-use super::{browser, highlights};
+use super::highlights;
 use crate::commands::failure::Failure;
 use crate::commands::output::OutputFile;
 use crate::commands::results::Results;
@@ -22,7 +22,6 @@ pub fn write(
     paths: &[PathBuf],
     compare: bool,
     (file, force): (&Path, bool),
-    open: bool,
     out: &mut Results,
 ) -> Result<(), Failure> {
     let output = OutputFile::free(file, force)?;
@@ -44,9 +43,6 @@ pub fn write(
         true => write_link("", &link, out)?,
         // Programs read the address.
         false => writeln!(out, "{link}")?,
-    }
-    if open {
-        browser::open(&link);
     }
     Ok(())
 }

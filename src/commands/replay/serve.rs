@@ -12,7 +12,6 @@ use xcscr::record::server::{Content, Origin, Server, viewer_links};
 use xcscr::run::Source;
 use xcscr::trial::Plan;
 
-use super::browser;
 use super::page::is_episode;
 use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
@@ -28,8 +27,6 @@ pub struct Service<'a> {
     pub port: u16,
     /// Origins whose pages may read the recordings, in addition to those of the two viewers.
     pub origins: &'a [Origin],
-    /// True if the first link is opened.
-    pub open: bool,
 }
 
 /// Recordings that one link opens together.
@@ -56,16 +53,11 @@ pub fn run(offers: Vec<Offer>, service: &Service<'_>, out: &mut Results) -> Resu
         .iter()
         .for_each(|origin| server.allow(origin));
     let interrupt = Interrupt::notice()?;
-    let mut first = None;
     for offer in offers {
-        let link = print_links(&mut server, offer, out)?;
-        first.get_or_insert(link);
+        print_links(&mut server, offer, out)?;
     }
     writeln!(out, "Serving on {}; Ctrl-C ends it.", server.origin())?;
     out.flush()?;
-    if let Some(link) = first.filter(|_| service.open) {
-        browser::open(&link);
-    }
     let served = server.run(|| interrupt.came());
     served.map_err(Failure::system("serve the recordings"))?;
     // A terminal shows `^C`. The next output begins on its own line.
@@ -161,8 +153,8 @@ fn group(file: &Path) -> Result<(Kind, Option<Plan>, Offer), Failure> {
     Ok((kind, Some(source.run.plan), offer))
 }
 
-/// Prints the links of an offer and returns the first one.
-fn print_links(server: &mut Server, offer: Offer, out: &mut Results) -> Result<String, Failure> {
+/// Prints the links of an offer.
+fn print_links(server: &mut Server, offer: Offer, out: &mut Results) -> Result<(), Failure> {
     let layout = server.add("foxglove-layout.json", Content::Text(offer.layout));
     let linked = &offer.files[offer.files.len().saturating_sub(MOST_LINKED)..];
     let mut links = Vec::new();
@@ -182,7 +174,5 @@ fn print_links(server: &mut Server, offer: Offer, out: &mut Results) -> Result<S
     for (viewer, link) in &links {
         write_link(&format!("{viewer:<12}"), link, out)?;
     }
-    write_link("layout      ", &layout, out)?;
-    let [(_, first), _] = links;
-    Ok(first)
+    Ok(write_link("layout      ", &layout, out)?)
 }

@@ -9,7 +9,6 @@
 mod data;
 mod episodes;
 mod shapes;
-mod text;
 
 use std::path::PathBuf;
 
@@ -21,7 +20,6 @@ use crate::record::RecordingKind;
 use crate::record::layout::SIDES;
 use crate::record::reader::Recording;
 use data::Data;
-pub use text::TextPlayer;
 
 const COMPARISON: &str = include_str!("comparison.html");
 const PAGE: &str = include_str!("page.html");

@@ -3,8 +3,6 @@
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::sync::Arc;
-#[cfg(feature = "live")]
-use std::thread;
 use std::time::{Duration, Instant};
 
 /// The maximum number of connections. It suffices for a few browsers, and is low enough for `ulimit
@@ -62,22 +60,6 @@ impl Connection {
         self.stream.write_all(bytes)
     }
 
-    /// Forwards all data between this connection and another one, until either ends.
-    ///
-    /// # Errors
-    /// If no thread can be started.
-    #[cfg(feature = "live")]
-    pub fn connect(&mut self, other: &TcpStream) -> io::Result<()> {
-        self.stream.set_read_timeout(None)?;
-        thread::scope(|scope| {
-            let there =
-                thread::Builder::new().spawn_scoped(scope, || pass_on(&self.stream, other))?;
-            pass_on(other, &self.stream);
-            let _ = there.join();
-            Ok(())
-        })
-    }
-
     /// Shuts down writing, and waits until the other side has read the answer.
     pub fn shut_down(&mut self) -> io::Result<()> {
         self.stream.shutdown(Shutdown::Write)?;
@@ -91,14 +73,5 @@ impl Connection {
             }
         }
         Ok(())
-    }
-}
-
-/// Copies until the end, then closes both connections.
-#[cfg(feature = "live")]
-fn pass_on(mut from: &TcpStream, mut to: &TcpStream) {
-    let _ = io::copy(&mut from, &mut to);
-    for stream in [from, to] {
-        let _ = stream.shutdown(Shutdown::Both);
     }
 }

@@ -150,14 +150,6 @@ pub struct Opened {
     thread: Option<JoinHandle<()>>,
 }
 
-#[cfg(feature = "live")]
-impl Opened {
-    /// Returns the port of the listener.
-    pub fn port(&self) -> u16 {
-        self.port
-    }
-}
-
 impl Drop for Opened {
     fn drop(&mut self) {
         self.closing.store(true, Ordering::Relaxed);
@@ -194,16 +186,4 @@ pub fn status_line(status: u16) -> String {
         _ => "Service Unavailable",
     };
     format!("HTTP/1.1 {status} {reason}\r\n")
-}
-
-/// Returns a random loopback address, which no page can guess. On systems with a single loopback
-/// address (macOS), only the port is random.
-#[cfg(feature = "live")]
-pub fn hidden_host() -> io::Result<Ipv4Addr> {
-    let [a, b, c, ..] = getrandom::u64()?.to_le_bytes();
-    let own = Ipv4Addr::new(127, a, b, c.clamp(1, 254));
-    Ok(match TcpListener::bind((own, 0)) {
-        Ok(_) => own,
-        Err(_) => Ipv4Addr::LOCALHOST,
-    })
 }

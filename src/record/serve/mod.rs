@@ -4,6 +4,4 @@ mod byte_range;
 mod listener;
 mod connection;
 mod head;
-#[cfg(feature = "live")]
-pub mod live;
 pub mod server;

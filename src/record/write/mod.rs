@@ -8,6 +8,5 @@ pub(super) mod event_logger;
 pub(super) mod sink;
 mod trajectory;
 
-pub use outbox::Tap;
 pub use recorder::{RecordSummary, Recorder, RecorderMemory};
 pub use sink::is_ours;

@@ -17,16 +17,11 @@ pub(super) enum For {
     Both,
 }
 
-/// A function that receives the messages of episode files: topic, time in nanoseconds, encoded
-/// message.
-pub type Tap = Box<dyn FnMut(Topic, u64, &[u8])>;
-
 /// The open files. Each file accepts the topics that it declared.
 #[derive(Default)]
 pub(super) struct Outbox {
     pub run: Option<OpenFile>,
     pub episode: Option<OpenFile>,
-    pub tap: Option<Tap>,
     scratch: Vec<u8>,
 }
 
@@ -61,9 +56,6 @@ impl Outbox {
     }
 
     fn deliver(&mut self, to: For, topic: Topic, time_ns: u64) -> Result<(), Error> {
-        if let Some(tap) = self.tap.as_mut().filter(|_| to != For::Run) {
-            tap(topic, time_ns, &self.scratch);
-        }
         let episode = self.episode.as_mut().filter(|_| to != For::Run);
         let run = self.run.as_mut().filter(|_| to != For::Episode);
         for file in episode.into_iter().chain(run) {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::event_logger::EventLogger;
 use super::log_file::{Facts, OpenFile};
-use super::outbox::{Outbox, Tap};
+use super::outbox::Outbox;
 use super::rebuild::{self, Chunks};
 use super::sink::Packing;
 use crate::agent::Agent;
@@ -169,12 +169,6 @@ impl Recorder {
     /// Returns the recording mode.
     pub fn mode(&self) -> RecordMode {
         self.memory.mode
-    }
-
-    /// Also passes the messages of episode files to `tap` from now on, whether the files are kept
-    /// or not.
-    pub fn tap(&mut self, tap: Tap) {
-        self.outbox.tap = Some(tap);
     }
 
     /// Returns the checkpoint after the last episode, and syncs the recordings so far to disk.
@@ -343,8 +337,7 @@ impl Recorder {
 
     /// Runs an action unless there was an error; stores the first error.
     fn attempt(&mut self, act: impl FnOnce(&mut Self) -> Result<(), Error>) {
-        let has_receiver = self.memory.mode != RecordMode::None || self.outbox.tap.is_some();
-        if self.error.is_none() && has_receiver {
+        if self.error.is_none() && self.memory.mode != RecordMode::None {
             self.error = act(self).err();
         }
     }

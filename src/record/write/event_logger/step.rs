@@ -54,7 +54,7 @@ impl EventLogger {
         self.learned_a_step(out, step, end_ns)
     }
 
-    /// Logs the learned changes of a step if anyone receives them. In large mazes this is done at
+    /// Logs the learned changes of a step if its episode is recorded. In large mazes this is done at
     /// intervals, because every cell must be queried.
     fn learned_a_step(
         &mut self,
@@ -62,8 +62,8 @@ impl EventLogger {
         step: &Step<'_>,
         time_ns: u64,
     ) -> Result<(), Error> {
-        let has_receiver = out.episode.is_some() || out.tap.is_some();
-        let Some(interval) = self.query_interval.filter(|_| has_receiver) else {
+        let is_recorded = out.episode.is_some();
+        let Some(interval) = self.query_interval.filter(|_| is_recorded) else {
             return Ok(());
         };
         if !step.step.is_multiple_of(interval) {
