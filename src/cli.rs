@@ -27,7 +27,6 @@ Exit codes:
       verify, failed trials, a drive that does not reach the goal), or a study
       is unfinished
    2  wrong usage of the command line
-   3  recording recover: done, but some data was lost
   65  bad input data
   66  an input file is missing
   70  internal error: please report it
@@ -66,7 +65,7 @@ pub enum Command {
     Export(ExportArgs),
     /// Open recordings in Foxglove or Lichtblick.
     Replay(ReplayArgs),
-    /// Summarise, check, verify, recover and convert recordings.
+    /// Summarise, check, verify and convert recordings.
     #[command(subcommand)]
     Recording(RecordingCommand),
     /// Run many trials and compare methods.

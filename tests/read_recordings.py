@@ -87,7 +87,7 @@ def check_json(schema, message, where):
 
 
 def check_explained(schemas):
-    """In the recording of a run and in its highlights, all fields say what they mean."""
+    """All fields say what they mean."""
     for schema in schemas:
         properties = json.loads(schema.data)["properties"] if schema.encoding == "jsonschema" else {}
         for field, known in properties.items():
@@ -138,8 +138,7 @@ def read(path):
         counts[channel.topic] += 1
     summary = reader.get_summary()
     expect(summary.statistics.message_count == sum(counts.values()), "wrong statistics")
-    if run["episode"] in ("run", "highlights"):
-        check_explained(summary.schemas.values())
+    check_explained(summary.schemas.values())
     topics = {channel.topic for channel in summary.channels.values()}
     senses = run["arena"] == "physics" and run["sensor"] not in LOOKED_UP
     is_run = run["episode"] == "run"

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
+use xcscr::record::RecordMode;
 use xcscr::record::reader::Recording as Recorded;
-use xcscr::record::{Comparison, RecordMode, RecordingKind};
 use xcscr::run::{Again, ExternalActions, ExternalEpisode, ExternalRecorder, Source, WheelSpeeds};
 
 use crate::plan::{Choice, invalid};
@@ -96,9 +96,6 @@ fn fault(file: &Path) -> Result<Option<String>, xcscr::Error> {
     let recording = Recorded::open(file)?;
     if let Some(fault) = recording.check().into_iter().next() {
         return Ok(Some(fault));
-    }
-    if recording.extent() == Some(RecordingKind::Comparison) {
-        return Comparison::difference(&recording);
     }
     let source = Source::of(file)?;
     Again::new(&source, &mut ())?.difference(&source)

@@ -10,7 +10,8 @@ use crate::disk;
 use crate::error::{Error, ErrorKind, world_for_run};
 
 /// The end of the message about a damaged recording.
-const ADVICE: &str = "; `xcscr recording check` lists the faults, `xcscr recording recover` saves the readable part: ";
+const ADVICE: &str =
+    "; `xcscr recording check` lists the faults, `mcap recover` saves the readable part: ";
 
 /// Returns the conversion of an error when reading a recording.
 pub(super) fn unread(path: &Path) -> impl Fn(io::Error) -> Error {

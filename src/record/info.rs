@@ -108,12 +108,8 @@ pub(super) fn heading([world, method, arena, sensor, seed]: [&str; 5]) -> String
 pub enum RecordingKind {
     /// The whole run, without events that happen more often than once per step.
     Run,
-    /// The turning points of a run, and a drive with the learned policy.
-    Highlights,
     /// One episode, by its number from 1.
     Episode(u32),
-    /// The highlights of two runs side by side.
-    Comparison,
 }
 
 impl RecordingKind {
@@ -121,9 +117,7 @@ impl RecordingKind {
     pub fn file_name(self) -> String {
         match self {
             Self::Run => "run.mcap".to_owned(),
-            Self::Highlights => "highlights.mcap".to_owned(),
             Self::Episode(number) => format!("ep-{number:04}.mcap"),
-            Self::Comparison => "comparison.mcap".to_owned(),
         }
     }
 
@@ -131,18 +125,14 @@ impl RecordingKind {
     pub fn episode(self) -> Option<u32> {
         match self {
             Self::Episode(number) => Some(number),
-            Self::Run | Self::Highlights | Self::Comparison => None,
+            Self::Run => None,
         }
     }
 
     /// Parses the entry `episode` of the metadata record `run`. Unknown texts give
     /// [`Run`](Self::Run).
     pub fn of_entry(text: &str) -> Self {
-        match text {
-            "highlights" => Self::Highlights,
-            "comparison" => Self::Comparison,
-            text => text.parse().map_or(Self::Run, Self::Episode),
-        }
+        text.parse().map_or(Self::Run, Self::Episode)
     }
 }
 
@@ -150,8 +140,6 @@ impl fmt::Display for RecordingKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Run => f.write_str("run"),
-            Self::Highlights => f.write_str("highlights"),
-            Self::Comparison => f.write_str("comparison"),
             Self::Episode(number) => write!(f, "{number}"),
         }
     }

@@ -11,21 +11,16 @@ pub mod layout;
 mod mode;
 pub mod player;
 mod read;
-mod repair;
 pub(crate) mod resume_hint;
 mod ros;
 mod serve;
-mod highlights;
 mod topics;
 mod write;
 
-pub use highlights::Comparison;
-pub(crate) use highlights::{HighlightsBuilder, Segment, ShownRun, compare_highlights, segments};
 pub use info::{RecordingKind, RobotShape, RunInfo, RunKind};
 pub use mode::RecordMode;
 pub(crate) use mode::RecordModeError;
 pub use read::{check, compare, reader};
-pub use repair::{Recovery, recover};
 pub(crate) use ros::RosBag;
 pub use ros::{DriveBag, DriveRecording};
 #[cfg(feature = "ros2")]

@@ -17,12 +17,11 @@ pub(super) const WORLD: &str = "world.json";
 pub(super) const CONFIG: &str = "config.json";
 /// The learned knowledge.
 pub(super) const RULES: &str = "rules.json";
-/// The page that plays the highlights.
+/// The page that plays the run.
 pub(super) const PAGE: &str = "replay.html";
 /// The files of recordings apart from numbered episodes.
-const RECORDINGS: [&str; 5] = [
+const RECORDINGS: [&str; 4] = [
     "run.mcap",
-    "highlights.mcap",
     PAGE,
     "foxglove-layout.json",
     "foxglove-layout-run.json",

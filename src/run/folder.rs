@@ -173,17 +173,7 @@ impl RunFolder {
         self.read(RULES)
     }
 
-    /// Saves the highlights of the run. Returns the path and the size in bytes.
-    ///
-    /// # Errors
-    /// An error of the file system.
-    pub fn save_highlights(&self, highlights: &[u8]) -> Result<(PathBuf, u64), Error> {
-        let name = RecordingKind::Highlights.file_name();
-        self.write(&name, highlights)?;
-        Ok((self.path.join(name), highlights.len() as u64))
-    }
-
-    /// Saves the page that plays the highlights.
+    /// Saves the page that plays the run.
     ///
     /// # Errors
     /// An error of the file system.
@@ -191,7 +181,7 @@ impl RunFolder {
         self.write(PAGE, page.as_bytes())
     }
 
-    /// Returns the page that plays the highlights, if there is one.
+    /// Returns the page that plays the run, if there is one.
     pub fn page(&self) -> Option<PathBuf> {
         let page = self.path.join(PAGE);
         page.is_file().then_some(page)

@@ -3,7 +3,7 @@
 //! [`Session`] trains, records into a [`RunFolder`], and resumes stopped runs. [`Source`]
 //! identifies the run of a recording. [`Rerun`] repeats the run for an observer, and [`Again`] to
 //! compare the bytes.
-//! [`RunFolder::highlights`] shows the turning points in less than two minutes.
+//! [`RunFolder::replay_page`] returns a page that plays it.
 //!
 //! # Example
 //! ```
@@ -15,7 +15,7 @@
 //! let folder = RunFolder::create(&parent.path().join("run"), false)?;
 //! let trial = Trial::new(Plan::new(maze).episodes(3))?;
 //! let run = Session::begin(folder, trial, RecordMode::All)?.run(&mut (), &|| false)?;
-//! assert_eq!(run.recording.files.len(), 5); // three episodes, run.mcap and highlights.mcap
+//! assert_eq!(run.recording.files.len(), 4); // three episodes and run.mcap
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -28,8 +28,7 @@ mod folder;
 mod ros;
 mod session;
 mod source;
-mod comparison;
-mod highlights;
+mod page;
 mod rerun;
 mod untouched;
 mod verify;
@@ -38,7 +37,7 @@ pub(crate) use evaluation::observe;
 pub use evaluation::{evaluate, record_evaluation};
 pub use external::{ExternalActions, ExternalEpisode, ExternalRecorder, WheelSpeeds};
 pub use folder::RunFolder;
-pub use highlights::page;
+pub use page::page;
 pub use rerun::Rerun;
 pub use session::{Finished, Resumed, Session};
 pub use source::Source;

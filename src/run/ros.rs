@@ -1,12 +1,11 @@
 //! Recordings for ROS 2, made by repeating the recorded run.
 
-use super::error;
 use super::folder::RunFolder;
 use super::rerun::Rerun;
 use super::source::Source;
 use crate::arena::ArenaKind;
 use crate::error::Error;
-use crate::record::{RecordingKind, RosBag};
+use crate::record::RosBag;
 
 impl RunFolder {
     /// Returns the run as an MCAP file for ROS 2, with the topics of `docs/src/reference/recordings.md`. The
@@ -23,20 +22,10 @@ impl Source {
     /// Returns the recorded episodes as an MCAP file for ROS 2.
     ///
     /// # Errors
-    /// If they cannot be repeated, or the recording shows highlights, which have parts of many
-    /// episodes.
+    /// If they cannot be repeated.
     pub fn ros_bag(&self) -> Result<Vec<u8>, Error> {
         self.require_method()?;
-        let only = match self.extent {
-            RecordingKind::Episode(episode) => Some(episode),
-            RecordingKind::Run => None,
-            RecordingKind::Highlights | RecordingKind::Comparison => {
-                let fault = "a highlights recording shows parts of many episodes and cannot be written for \
-                             ROS 2; give an episode, run.mcap, or the folder of a run";
-                return Err(error::recording(&self.file, fault));
-            }
-        };
-        bag(&self.run, only)
+        bag(&self.run, self.extent.episode())
     }
 }
 

@@ -1,7 +1,6 @@
 //! A run in progress, with checkpoints so that stopping it in any way loses little work.
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
@@ -9,8 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::error;
 use super::facts::run_info;
 use super::folder::RunFolder;
-use super::highlights::Material;
-use crate::agent::Knowledge;
+use super::page::page_of;
 use crate::episode::Observer;
 use crate::error::{Error, ErrorKind};
 use crate::record::resume_hint::resume_hint;
@@ -141,14 +139,13 @@ impl Session {
     ) -> Result<Finished, Error> {
         self.episodes(observer, stop)?;
         let mode = self.recorder.mode();
-        let mut recording = self.recorder.finish(self.trial.method())?;
+        let recording = self.recorder.finish(self.trial.method())?;
         let knowledge = self.trial.method().knowledge();
         self.folder.save_knowledge(&knowledge)?;
         let shows_all = matches!(mode, RecordMode::All | RecordMode::Beams);
         if shows_all && !self.trial.plan().maze.is_too_large() {
-            let (path, bytes) = save_highlights(&self.folder, &self.trial, &knowledge)?;
-            recording.files.push(path);
-            recording.bytes += bytes;
+            let page = page_of(self.folder.path(), self.trial.plan(), &knowledge)?;
+            self.folder.save_page(&page)?;
         }
         self.folder.remove_checkpoint()?;
         Ok(Finished {
@@ -203,18 +200,4 @@ impl Session {
         let message = format!("interrupted after episode {done} of {all}; {hint}");
         ErrorKind::Interrupted.error(message)
     }
-}
-
-/// Saves the highlights of a run with recordings of all episodes, and the page that plays them.
-/// Returns the path and the size in bytes of the highlights.
-fn save_highlights(
-    folder: &RunFolder,
-    trial: &Trial,
-    knowledge: &Knowledge,
-) -> Result<(PathBuf, u64), Error> {
-    let material = Material::in_folder(folder.path(), trial.plan(), knowledge)?;
-    let highlights = material.build()?;
-    let saved = folder.save_highlights(&highlights)?;
-    folder.save_page(&material.page(highlights)?)?;
-    Ok(saved)
 }

@@ -10,7 +10,7 @@ use super::external::{EXTERNAL_EPISODES, METHOD};
 use super::rerun::Rerun;
 use crate::agent::Knowledge;
 use crate::episode::{Episode, Learned, Observer};
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordModeError, RecordingKind, RunKind};
 use crate::trial::Plan;
@@ -51,16 +51,9 @@ impl Source {
         let metadata = recording.metadata("run");
         let entry = |key: &str| metadata.and_then(|m| m.get(key)).map_or("", String::as_str);
         let extent = RecordingKind::of_entry(entry("episode"));
-        if extent == RecordingKind::Comparison {
-            let message = format!(
-                "{} is a comparison of two runs; give the folder of one of them, or a recording of it",
-                file.display()
-            );
-            return Err(ErrorKind::BadData.error(message));
-        }
         let kind = recording.run_kind()?;
         let run = Rerun {
-            plan: attached_plan(recording, "")?,
+            plan: attached_plan(recording)?,
             evaluated: match kind {
                 RunKind::Evaluation => Some(attached_to_run(file, recording, RULES)?),
                 RunKind::Training | RunKind::External => None,
@@ -73,7 +66,7 @@ impl Source {
         Ok(Self {
             file: file.to_owned(),
             run,
-            mode: recorded_mode(recording, "run")?,
+            mode: recorded_mode(recording)?,
             extent,
             bytes: recording.bytes().to_vec(),
         })
@@ -143,29 +136,19 @@ impl Observer for Last {
     }
 }
 
-/// Returns the recording mode from a recording's metadata of this name.
-pub(super) fn recorded_mode(recording: &Recording, name: &str) -> Result<RecordMode, Error> {
-    let entry = recording.metadata(name).and_then(|m| m.get("record"));
+/// Returns the recording mode from the metadata of a recording.
+fn recorded_mode(recording: &Recording) -> Result<RecordMode, Error> {
+    let entry = recording.metadata("run").and_then(|m| m.get("record"));
     let mode = entry.map_or("", String::as_str).parse();
     mode.map_err(|fault: RecordModeError| error::recording(recording.path(), fault))
 }
 
-/// Returns the mode to record all episodes for highlights: with beams if the run recorded them.
-pub(super) fn mode_for_highlights(mode: RecordMode) -> RecordMode {
-    match mode {
-        RecordMode::Beams => RecordMode::Beams,
-        _ => RecordMode::All,
-    }
-}
-
-/// Returns the plan whose world and settings are attached to a recording. `below` is a prefix of
-/// the names that is empty or ends with `/`.
-pub(super) fn attached_plan(recording: &Recording, below: &str) -> Result<Plan, Error> {
+/// Returns the plan whose world and settings are attached to a recording.
+fn attached_plan(recording: &Recording) -> Result<Plan, Error> {
     let damaged = |fault: String| error::recording(recording.path(), fault);
     let attached = |name: &str| {
-        let name = format!("{below}{name}");
         let missing = || damaged(format!("the attachment {name} is missing"));
-        recording.attachment(&name).ok_or_else(missing)
+        recording.attachment(name).ok_or_else(missing)
     };
     let config = serde_json::from_slice(attached("config.json")?)
         .map_err(|fault| damaged(format!("config.json: {fault}")))?;

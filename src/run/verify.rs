@@ -6,13 +6,12 @@ use std::io;
 use tempfile::TempDir;
 
 use super::error;
-use super::highlights::Material;
 use super::rerun::Rerun;
 use super::source::Source;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::error::Error;
-use crate::record::{self, RecordMode, RecordingKind};
+use crate::record::{self, RecordMode};
 
 /// A repeated run in a temporary folder, which is deleted with this value.
 pub struct Again {
@@ -59,19 +58,14 @@ impl Again {
     pub fn difference(&self, source: &Source) -> Result<Option<String>, Error> {
         let name = source.extent.file_name();
         let folder = self.folder.path();
-        let bytes = match source.extent {
-            RecordingKind::Highlights => {
-                Material::in_folder(folder, &self.run.plan, &self.knowledge)?.build()?
+        let bytes = match fs::read(folder.join(&name)) {
+            Err(cause) if cause.kind() == io::ErrorKind::NotFound => {
+                let external = self.run.external.as_ref().map(Vec::len);
+                let episodes = external.unwrap_or(self.run.plan.config.episodes as usize);
+                let fault = format!("a new run of {episodes} episodes produces no {name}");
+                return Ok(Some(fault));
             }
-            _ => match fs::read(folder.join(&name)) {
-                Err(cause) if cause.kind() == io::ErrorKind::NotFound => {
-                    let external = self.run.external.as_ref().map(Vec::len);
-                    let episodes = external.unwrap_or(self.run.plan.config.episodes as usize);
-                    let fault = format!("a new run of {episodes} episodes produces no {name}");
-                    return Ok(Some(fault));
-                }
-                bytes => bytes.map_err(error::temporary)?,
-            },
+            bytes => bytes.map_err(error::temporary)?,
         };
         record::compare(&source.bytes, &bytes)
     }

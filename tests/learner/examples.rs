@@ -24,7 +24,7 @@ fn own_study_runs_its_twenty_trials() {
 }
 
 #[test]
-fn record_a_run_leaves_a_recording_of_each_episode_of_the_run_and_its_highlights() {
+fn record_a_run_leaves_a_recording_of_each_episode_and_of_the_run() {
     record_a_run::main().unwrap();
 }
 

@@ -7,15 +7,11 @@ use std::path::Path;
 
 use crate::copies::Parts;
 use crate::kit::chance::{dice, rounds};
-use crate::kit::desk::Desk;
-use crate::kit::folder::replace;
 use xcscr::record::reader::Recording;
-use xcscr::record::{check, recover};
 use xcscr::xcs::random::Stream;
 
 /// The opcodes of records that this knows by their parts.
 const FOOTER: u8 = 2;
-const MESSAGE: u8 = 5;
 const CHUNK: u8 = 6;
 const ATTACHMENT: u8 = 9;
 const SUMMARY_OFFSET: u8 = 14;
@@ -144,27 +140,14 @@ fn forged_recordings() {
     let name = Path::new("forged.mcap");
     let again = Recording::from_bytes(name, file(&records)).unwrap();
     assert_eq!(again.messages().count(), 40, "the control is whole");
-    let desk = Desk::new();
-    let (broken, saved) = (desk.path("broken"), desk.path("saved"));
     let mut dice = dice(13);
-    let (mut taken, mut recovered) = (0, 0);
+    let mut taken = 0;
     for number in 0..rounds(2_000, 100_000) {
         let mut forged = records.clone();
         for _ in 0..=dice.below(3) {
             forge(&mut forged, &mut dice);
         }
         let bytes = file(&forged);
-        if number % 20 == 0 {
-            replace(&broken, &bytes);
-            if let Ok(recovery) = recover(&broken, &saved, true) {
-                recovered += 1;
-                let findings = check(&saved).unwrap();
-                let is_read = findings
-                    .iter()
-                    .all(|one| !one.contains("this recording is damaged"));
-                assert!(is_read, "mutant {number}: {recovery:?}: {findings:?}");
-            }
-        }
         if let Ok(recording) = Recording::from_bytes(name, bytes) {
             taken += 1;
             let counted: u64 = recording.topics().iter().map(|topic| topic.messages).sum();
@@ -173,10 +156,7 @@ fn forged_recordings() {
         }
     }
     // Control: another time of a message is read as well as the right one.
-    assert!(
-        taken > 0 && recovered > 0,
-        "{taken} taken, {recovered} recovered"
-    );
+    assert!(taken > 0);
 }
 
 /// A recording whose index claims so many messages of each channel is not believed.
@@ -205,26 +185,17 @@ fn what_the_index_claims_is_not_what_replay_shows() {
 
 /// A bit that flipped inside of a chunk before the sum over the file was made.
 #[test]
-fn a_chunk_whose_own_sum_is_wrong_is_refused_and_none_of_its_messages_is_recovered() {
+fn a_chunk_whose_own_sum_is_wrong_is_refused() {
     let sound = sample();
     let records = split(&sound[mcap::MAGIC.len()..sound.len() - mcap::MAGIC.len()]);
-    let desk = Desk::new();
-    let (broken, saved) = (desk.path("broken"), desk.path("saved"));
     let is_chunk = |at: &usize| records[*at].0 == CHUNK;
     let chunks: Vec<usize> = (0..records.len()).filter(is_chunk).collect();
     assert!(chunks.len() > 1, "{chunks:?}");
     for at in chunks {
-        let inside = split(&records[at].1[CHUNK_HEAD..]);
-        let inside = inside.iter().filter(|(opcode, _)| *opcode == MESSAGE);
-        let lost = inside.count() as u64;
         let mut forged = records.clone();
         *forged[at].1.last_mut().unwrap() ^= 1;
         let bytes = file(&forged);
-        replace(&broken, &bytes);
         let refused = Recording::from_bytes(Path::new("forged.mcap"), bytes);
         assert!(refused.is_err(), "chunk {at}");
-        let recovery = recover(&broken, &saved, true).unwrap();
-        assert!(!recovery.is_lossless(), "chunk {at}: {recovery:?}");
-        assert_eq!(recovery.messages, 40 - lost, "chunk {at}: {recovery:?}");
     }
 }

@@ -7,7 +7,6 @@ mod kit;
 
 /// Arguments of `train` for the runs that most tests look at.
 const PHYSICS: &str = "maze4 --episodes 5";
-const BEAMS: &str = "maze4 --episodes 5 --record beams";
 const GRID: &str = "maze4 --arena grid --episodes 12";
 const OTHER: &str = "maze4 --arena grid --episodes 12 --seed 2";
 
@@ -18,10 +17,8 @@ mod forged_recordings;
 mod methods;
 mod page;
 mod recording;
-mod recovery;
 mod robots;
 mod ros;
 mod serving;
-mod highlights;
 mod summaries;
 mod watching;

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use xcscr::agent::Method;
 use xcscr::record::reader::Recording;
 
-/// Bytes that recordings may take for each cell move, the highlights recording included.
+/// Bytes that recordings may take for each cell move.
 const MOST: u64 = 2000;
 
 /// A run of a method with the default settings and half of the episodes. What a recording holds
@@ -89,7 +89,7 @@ fn keeps_to_its_schemas(recording: &Recording) {
 #[test]
 fn every_message_of_every_method_is_what_its_schema_says() {
     let check = |desk: Desk| {
-        for name in ["ep-0001", "ep-0002", "run", "highlights"] {
+        for name in ["ep-0001", "ep-0002", "run"] {
             keeps_to_its_schemas(&desk.recording(&format!("run/{name}.mcap")));
         }
     };
@@ -105,7 +105,7 @@ fn sample() -> Recording {
 }
 
 #[test]
-fn where_null_stands_for_unknown_the_schema_of_highlights_says_so() {
+fn where_null_stands_for_unknown_the_schema_says_so() {
     let schemas = schemas(&sample());
     for (topic, field) in MAY_HOLD_NULL {
         let meaning = &schemas[topic]["properties"][field]["description"];

@@ -81,7 +81,4 @@ fn a_recording_for_ros_has_its_encoding_and_the_same_bytes_again() {
             "{topic}: {qos}"
         );
     }
-
-    let refused = "recording ros @run/highlights.mcap -o @highlights.mcap";
-    desk.fails(65, refused, "give an episode");
 }

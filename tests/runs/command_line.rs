@@ -45,7 +45,7 @@ fn a_damaged_recording_gets_advice() {
     let sound = fs::read("recordings/sample-maze4.mcap").unwrap();
     desk.write("damaged.mcap", &sound[..sound.len() / 2]);
     let info = "recording info @damaged.mcap";
-    desk.fails(65, info, "`xcscr recording recover`");
+    desk.fails(65, info, "`mcap recover`");
 }
 
 #[test]

@@ -107,8 +107,7 @@ fn a_full_disk_ends_in_code_74_and_the_run_goes_on_when_there_is_room() {
 }
 
 #[test]
-fn pictures_recovered_recordings_and_studies_on_a_full_disk_end_in_code_74_and_leave_nothing_torn()
-{
+fn pictures_pages_and_studies_on_a_full_disk_end_in_code_74_and_leave_nothing_torn() {
     let Some(disk) = SmallDisk::mount("64k") else {
         return;
     };
@@ -118,7 +117,7 @@ fn pictures_recovered_recordings_and_studies_on_a_full_disk_end_in_code_74_and_l
     desk.write("ballast", vec![0; 48 * 1024]);
     for line in [
         &format!("map {run} -o @p.png")[..],
-        &format!("recording recover {run}/run.mcap -o @m.mcap"),
+        &format!("replay {run} --html @page.html"),
         "study run paper --episodes 1 --out @s",
     ] {
         desk.fails(74, line, "No space left");

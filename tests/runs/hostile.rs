@@ -15,7 +15,6 @@ use crate::kit::trial::{Trial as Recorded, maze as world, on_the_grid};
 use serde_json::{Value, json};
 use xcscr::agent::{Estimator, Knowledge, Method};
 use xcscr::arena::ArenaKind;
-use xcscr::record;
 use xcscr::record::reader::Recording;
 use xcscr::study::{Overrides, Protocol, Report, Shard, Study, StudyFile, StudyFolder};
 use xcscr::trial::{Checkpoint, Config, Plan, Resolved, Settings, Trial, seal, unseal};
@@ -325,16 +324,5 @@ fn mutants_of_recordings() {
         assert!(bytes == valid, "a damaged recording was accepted");
         // Some changes change nothing, such as a byte that is replaced by itself.
         recording.messages().count() > 0
-    });
-}
-
-#[test]
-fn mutants_of_recordings_that_are_recovered() {
-    let desk = Desk::new();
-    let valid = recording(&desk);
-    let (broken, saved) = (desk.path("broken"), desk.path("saved"));
-    feed(&[valid], ON_DISK, |bytes| {
-        replace(&broken, bytes);
-        record::recover(&broken, &saved, true).is_ok()
     });
 }

@@ -186,7 +186,7 @@ fn a_run_is_resumed_only_from_the_files_that_it_left() {
         fs::remove_file(folder.join(name)).unwrap();
     }
     let (settings, world) = ("config.json", "world.json");
-    let cases: [Case<'_>; 9] = [
+    let cases: [Case<'_>; 8] = [
         (&|_| {}, 0, ""),
         // A file that is removed is written again.
         (&|run| remove(run, settings), 0, ""),
@@ -206,11 +206,6 @@ fn a_run_is_resumed_only_from_the_files_that_it_left() {
             &|run| put(run, "ep-0003.mcap"),
             73,
             "ep-0003.mcap is not a file of this run",
-        ),
-        (
-            &|run| put(run, "highlights.mcap"),
-            73,
-            "highlights.mcap is not a file of this run",
         ),
         (
             &|run| put(run, "rules.json"),

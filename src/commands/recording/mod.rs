@@ -2,7 +2,6 @@
 
 mod check;
 mod info;
-mod recover;
 mod summary;
 mod verify;
 
@@ -39,10 +38,6 @@ pub enum RecordingCommand {
         #[arg(long)]
         json: bool,
     },
-    /// Recover the readable part of a damaged recording.
-    Recover(recover::RecoverArgs),
-    /// Write the highlights of a run: how it learned, in less than two minutes.
-    Highlights(IntoFile),
     /// Convert a recording, or a whole run, to a bag of ROS 2: /tf, /odom, /scan, /map.
     Ros(IntoFile),
 }
@@ -76,17 +71,7 @@ pub fn run(command: &RecordingCommand, out: &mut Results) -> Result<(), Failure>
         RecordingCommand::Verify { recordings, json } => {
             verify::run(&all_recordings(recordings)?, *json, out)
         }
-        RecordingCommand::Recover(args) => recover::run(args),
-        RecordingCommand::Highlights(args) => args.write(highlights),
         RecordingCommand::Ros(args) => args.write(ros_bag),
-    }
-}
-
-/// Returns the highlights of a run, or of the run of a recording.
-fn highlights(from: &Path) -> Result<Vec<u8>, Error> {
-    match from.is_dir() {
-        true => RunFolder::open(from).highlights(),
-        false => Source::of(from)?.highlights(),
     }
 }
 

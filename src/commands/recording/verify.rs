@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
 use xcscr::record::reader::Recording;
-use xcscr::record::{Comparison, RecordingKind};
 use xcscr::run::{Again, Source};
 
 use crate::commands::failure::Failure;
@@ -45,9 +44,6 @@ pub fn run(files: &[PathBuf], json: bool, out: &mut Results) -> Result<(), Failu
 /// repeated run.
 fn difference(file: &Path, again: &mut Option<Again>) -> Result<Option<String>, Failure> {
     let recording = Recording::open(file)?;
-    if recording.extent() == Some(RecordingKind::Comparison) {
-        return Ok(Comparison::difference(&recording)?);
-    }
     let source = Source::of_recording(&recording)?;
     let run = match again.take().filter(|run| run.serves(&source)) {
         Some(run) => run,

@@ -1,42 +1,31 @@
-//! `xcscr replay --html`: writes a page that plays a recording, a run, two runs, or the best trial
-//! of a study.
+//! `xcscr replay --html`: writes a page that plays a recording, a run, or the best trial of a study.
 
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
+use xcscr::record::RecordMode;
 use xcscr::record::player;
 use xcscr::record::reader::Recording;
-use xcscr::record::{Comparison, RecordMode};
-use xcscr::run;
+use xcscr::run::{self, RunFolder};
 use xcscr::study::{PlannedStudy, StudyFolder};
 
-use super::highlights;
 use crate::commands::failure::Failure;
 use crate::commands::output::OutputFile;
 use crate::commands::results::Results;
-use crate::commands::source::recordings;
 use crate::commands::terminal::{file_link, shows_links, write_link};
 
 /// Writes the page to `file` and prints its address.
 pub fn write(
     paths: &[PathBuf],
-    compare: bool,
     (file, force): (&Path, bool),
     out: &mut Results,
 ) -> Result<(), Failure> {
     let output = OutputFile::free(file, force)?;
-    let page = match (paths, compare) {
-        ([a, b], true) => {
-            let bytes = Comparison::of([a, b])?.bytes;
-            player::page(&Recording::from_bytes(Path::new("comparison.mcap"), bytes)?)?
-        }
-        ([path], false) => page_of(path, out)?,
-        _ => {
-            let message =
-                "`--html` takes one recording, run or study, or with `--compare` two runs";
-            return Err(Failure::new(ErrorKind::Usage, message.to_owned()));
-        }
+    let [path] = paths else {
+        let message = "`--html` takes one recording, run or study";
+        return Err(Failure::new(ErrorKind::Usage, message.to_owned()));
     };
+    let page = page_of(path, out)?;
     output.write(page.as_bytes())?;
     let link = file_link(file);
     match shows_links() {
@@ -51,13 +40,10 @@ fn page_of(path: &Path, out: &mut Results) -> Result<String, Failure> {
     if PlannedStudy::is_in(path) {
         return page_of_study(&StudyFolder::read(path)?, out);
     }
-    let recording = highlights::recording(path)?;
-    if !path.is_dir() {
-        return Ok(player::page(&recording)?);
+    match path.is_dir() {
+        true => Ok(RunFolder::open(path).replay_page()?),
+        false => Ok(player::page(&Recording::open(path)?)?),
     }
-    let mut episodes = recordings(path)?;
-    episodes.retain(|file| is_episode(file));
-    Ok(player::page_of_run(&recording, &episodes)?)
 }
 
 /// Returns true if a file is the finished recording of an episode of a run, by its name.

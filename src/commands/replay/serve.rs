@@ -67,11 +67,11 @@ pub fn run(offers: Vec<Offer>, service: &Service<'_>, out: &mut Results) -> Resu
     Ok(())
 }
 
-/// Groups the recordings by run and kind, highlights first and comparisons last. Recordings of two
+/// Groups the recordings by run and kind, the whole run first. Recordings of two
 /// runs would interleave in a viewer. Of the episodes in a folder, only the last ones are read,
 /// because links open no others.
 pub fn offers(files: &[PathBuf]) -> Result<Vec<Offer>, Failure> {
-    let mut groups: Vec<(Kind, Option<Plan>, Offer)> = Vec::new();
+    let mut groups: Vec<(Kind, Plan, Offer)> = Vec::new();
     let (last, mut left_out) = last_episodes(files);
     for file in last {
         let (kind, plan, mut offer) = group(file)?;
@@ -79,7 +79,7 @@ pub fn offers(files: &[PathBuf]) -> Result<Vec<Offer>, Failure> {
             offer.left_out = left_out.remove(&file.parent()).unwrap_or(0);
         }
         let mut known = groups.iter_mut();
-        match known.find(|group| plan.is_some() && (group.0, &group.1) == (kind, &plan)) {
+        match known.find(|group| (group.0, &group.1) == (kind, &plan)) {
             Some((.., known)) => {
                 known.files.extend(offer.files);
                 known.left_out += offer.left_out;
@@ -112,32 +112,18 @@ fn last_episodes(files: &[PathBuf]) -> (Vec<&PathBuf>, BTreeMap<Option<&Path>, u
 /// The kinds of recordings, in the order of the offers.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
-    Highlights,
     Run,
     Episodes,
-    Comparison,
 }
 
-/// Returns the offer of one file, with its kind and the plan of its run. A comparison has no plan.
-fn group(file: &Path) -> Result<(Kind, Option<Plan>, Offer), Failure> {
+/// Returns the offer of one file, with its kind and the plan of its run.
+fn group(file: &Path) -> Result<(Kind, Plan, Offer), Failure> {
     let files = vec![file.to_owned()];
     let recording = Recording::open(file)?;
-    let layout = recording.attachment("foxglove-layout.json");
-    let is_comparison = recording.extent() == Some(RecordingKind::Comparison);
-    if let Some(layout) = layout.filter(|_| is_comparison) {
-        let offer = Offer {
-            what: "Two runs side by side".to_owned(),
-            layout: String::from_utf8_lossy(layout).into_owned(),
-            files,
-            left_out: 0,
-        };
-        return Ok((Kind::Comparison, None, offer));
-    }
     let source = Source::of_recording(&recording)?;
     let (kind, what) = match source.extent {
-        RecordingKind::Highlights => (Kind::Highlights, "Highlights of the run"),
         RecordingKind::Run => (Kind::Run, "The whole run"),
-        RecordingKind::Episode(_) | RecordingKind::Comparison => (Kind::Episodes, "Episodes"),
+        RecordingKind::Episode(_) => (Kind::Episodes, "Episodes"),
     };
     let (method, maze) = (source.method_name(), &source.run.plan.maze);
     let (world, seed) = (maze.name(), source.run.plan.config.seed);
@@ -150,7 +136,7 @@ fn group(file: &Path) -> Result<(Kind, Option<Plan>, Offer), Failure> {
         files,
         left_out: 0,
     };
-    Ok((kind, Some(source.run.plan), offer))
+    Ok((kind, source.run.plan, offer))
 }
 
 /// Prints the links of an offer.

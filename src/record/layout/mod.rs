@@ -9,10 +9,6 @@ use crate::world::Maze;
 
 const EPISODE: &str = include_str!("episode.json");
 const RUN: &str = include_str!("run.json");
-const COMPARISON: &str = include_str!("comparison.json");
-
-/// The names of the sides of a comparison.
-pub(crate) const SIDES: [&str; 2] = ["a", "b"];
 
 /// In mazes with more columns or rows than this, single arrows are visible only to the camera that
 /// follows the robot. From afar, the colours of the floor and the greedy path show the same.
@@ -32,22 +28,6 @@ pub fn of_episode(maze: &Maze) -> String {
 /// Returns the layout for `run.mcap`, as compact JSON.
 pub fn of_run(maze: &Maze) -> String {
     fitted(RUN, maze)
-}
-
-/// Returns the layout for a comparison of two runs with these mazes and headings, as compact JSON.
-pub(crate) fn of_comparison(mazes: [&Maze; 2], headings: &[String; 2]) -> String {
-    let mut layout: Value =
-        serde_json::from_str(COMPARISON).expect("the layouts beside this file are JSON");
-    for (side, (maze, heading)) in SIDES.iter().zip(mazes.into_iter().zip(headings)) {
-        let panel = &mut layout["configById"][format!("3D!{side}")];
-        aim(&mut panel["cameraState"], maze);
-        let title = format!(
-            "{}: {heading} (ellipses 10 times as large)",
-            side.to_uppercase()
-        );
-        name(panel, &title);
-    }
-    layout.to_string()
 }
 
 /// Aims the cameras so that the whole maze is visible, and adds a curve for each action.

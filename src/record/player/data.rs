@@ -1,18 +1,21 @@
 //! The data of a page: the messages of a recording by topic, each with its time in seconds.
 
+use std::path::PathBuf;
+
 use foxglove::messages::{FrameTransform, FrameTransforms, SceneUpdate};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::episodes::PackedEpisode;
+use super::chapters::Chapter;
+use super::episodes::{self, PackedEpisode};
 use super::shapes::Scene;
 use crate::error::Error;
 use crate::picture::{NO_GOAL, SCALE, css};
-use crate::record::info;
+use crate::record::info::{self, RunKind};
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::percept::KINDS;
 use crate::record::topics::rays::BEAM;
-use crate::record::topics::{Caption, ESTIMATE, ROBOT, decimal, decoded, nanoseconds};
+use crate::record::topics::{ESTIMATE, ROBOT, decimal, decoded, nanoseconds};
 use crate::record::{RobotShape, Topic};
 use crate::world::{Cell, Maze};
 use xcs::Action;
@@ -47,10 +50,11 @@ pub struct Data {
     pub begins: Vec<Timed>,
     contacts: Vec<Timed>,
     curve: Value,
-    pub captions: Vec<Timed>,
-    /// The captions whose title differs from the previous one.
-    segments: Vec<Timed>,
+    /// The word for an episode.
+    noun: &'static str,
     scenes: Scenes,
+    /// The most instructive of the episodes inside the page of a run.
+    chapters: Vec<Chapter>,
     /// The episodes inside the page of a run.
     pub packed_episodes: Vec<PackedEpisode>,
     /// The steps, and for each step the middle of its cell as a pose.
@@ -60,9 +64,6 @@ pub struct Data {
     steps: Vec<Timed>,
     #[serde(skip)]
     from_ns: Option<u64>,
-    /// The prefix of frame names and, after a slash, of topics: the side of a comparison.
-    #[serde(skip)]
-    below: String,
 }
 
 /// The maze as seen from above.
@@ -106,11 +107,14 @@ impl World {
 }
 
 impl Data {
-    /// Reads a recording of a run, an episode or highlights, or one side of a comparison.
-    pub fn of(recording: &Recording, side: Option<&str>) -> Result<Self, Error> {
-        let below = side.map_or_else(String::new, |side| format!("{side}/"));
-        let maze = world(recording, &below)?;
-        let mut data = Self::empty(&maze, heading(recording, side.unwrap_or("run")), below);
+    /// Reads a recording of a run or an episode.
+    pub fn of(recording: &Recording) -> Result<Self, Error> {
+        let maze = world(recording)?;
+        let mut data = Self::empty(&maze, heading(recording));
+        data.noun = match recording.run_kind() {
+            Ok(RunKind::Evaluation) => "Greedy drive",
+            _ => "Episode",
+        };
         for message in recording.messages() {
             let added = data.add(&message?, &maze);
             added.map_err(|cause| recording.damaged(cause))?;
@@ -119,10 +123,9 @@ impl Data {
         Ok(data)
     }
 
-    fn empty(maze: &Maze, heading: String, below: String) -> Self {
+    fn empty(maze: &Maze, heading: String) -> Self {
         Self {
             heading,
-            below,
             world: World::of(maze),
             actions: Action::all(maze.action_count())
                 .map(|action| maze.action_name(action))
@@ -145,6 +148,23 @@ impl Data {
         self.episodes.first()?.get("episode")?.as_u64()
     }
 
+    /// Adds the episodes of a run, the learning curve of the last one, and those chapters that are
+    /// among the episodes.
+    pub fn set_run(&mut self, mut chapters: Vec<Chapter>, files: &[PathBuf]) -> Result<(), Error> {
+        let wanted: Vec<u32> = chapters.iter().map(|chapter| chapter.episode).collect();
+        self.packed_episodes = episodes::packed(files, &wanted)?;
+        let packed = &self.packed_episodes;
+        chapters.retain(|chapter| {
+            let number = u64::from(chapter.episode);
+            packed.iter().any(|one| one.episode == number)
+        });
+        self.chapters = chapters;
+        if let Some(last) = files.last() {
+            self.curve = Self::of(&Recording::open(last)?)?.curve;
+        }
+        Ok(())
+    }
+
     /// Removes the learning curve, which grows with each episode of a run.
     pub fn without_curve(self) -> Self {
         let curve = Value::Null;
@@ -154,7 +174,7 @@ impl Data {
     fn add(&mut self, message: &Message, maze: &Maze) -> Result<(), String> {
         let t = self.seconds(message.time_ns);
         self.end = self.end.max(t);
-        let Some(topic) = self.topic(message) else {
+        let Some(topic) = Topic::named(message.topic()) else {
             return Ok(());
         };
         let scene = || decoded::<SceneUpdate>(&message.data);
@@ -164,7 +184,6 @@ impl Data {
             Topic::Policy => self.scenes.policy.push(Scene::of(t, &scene()?)),
             Topic::Values => self.scenes.values.push(Scene::of(t, &scene()?)),
             Topic::Percept => self.scenes.percept.push(Scene::of(t, &scene()?)),
-            Topic::Caption => self.captions.extend(caption(t, &scene()?)),
             Topic::Rule => self.decisions.push(timed(t, message)?),
             Topic::Step => self.step(t, message, maze)?,
             Topic::Episode => self.episodes.push(timed(t, message)?),
@@ -178,12 +197,6 @@ impl Data {
         Ok(())
     }
 
-    /// Returns the topic of a message; `None` if the topic is unknown or belongs to the other side.
-    fn topic(&self, message: &Message) -> Option<Topic> {
-        let below = message.topic().strip_prefix('/')?;
-        Topic::named(&format!("/{}", below.strip_prefix(&self.below)?))
-    }
-
     /// Returns the time since the first message, in seconds.
     fn seconds(&mut self, time_ns: u64) -> f64 {
         let from_ns = *self.from_ns.get_or_insert(time_ns);
@@ -194,7 +207,7 @@ impl Data {
     fn follow(&mut self, message: &FrameTransforms) {
         for frame in &message.transforms {
             let pose = self.pose(frame);
-            match frame.child_frame_id.trim_start_matches(&self.below) {
+            match frame.child_frame_id.as_str() {
                 ROBOT => self.poses.push(pose),
                 ESTIMATE => self.mistakes.push(pose),
                 _ => {}
@@ -273,18 +286,14 @@ impl Data {
         self.end = self.end.max(last);
         let begins = |episode: &&Timed| episode.get("outcome") == Some(&json!("running"));
         self.begins = self.episodes.iter().filter(begins).cloned().collect();
-        self.segments = self.captions.clone();
-        self.segments
-            .dedup_by(|next, before| next.get("title") == before.get("title"));
         self.result = self.episodes.last().map_or_else(String::new, result);
     }
 }
 
-/// Returns the world of a recording, or of the side of a comparison with this prefix.
-pub fn world(recording: &Recording, below: &str) -> Result<Maze, Error> {
-    let name = format!("{below}world.json");
-    let Some(world) = recording.attachment(&name) else {
-        return Err(recording.damaged(format!("it has no attachment {name}")));
+/// Returns the world of a recording.
+fn world(recording: &Recording) -> Result<Maze, Error> {
+    let Some(world) = recording.attachment("world.json") else {
+        return Err(recording.damaged("it has no attachment world.json".to_owned()));
     };
     Maze::from_json(world, "world.json").map_err(|fault| recording.damaged(fault.to_string()))
 }
@@ -297,22 +306,10 @@ fn timed(t: f64, message: &Message) -> Result<Timed, String> {
     Ok(fields)
 }
 
-/// Returns the text of a caption; `None` without a title.
-fn caption(t: f64, scene: &SceneUpdate) -> Option<Timed> {
-    let Caption { title, remark, .. } = Caption::read(scene);
-    let fields = [
-        ("t", json!(t)),
-        ("title", json!(title)),
-        ("remark", json!(remark)),
-    ];
-    let fields = fields.map(|(name, value)| (name.to_owned(), value));
-    (!title.is_empty()).then(|| fields.into_iter().collect())
-}
-
-/// Returns world, method, arena, sensor and seed from the metadata of this name.
-fn heading(recording: &Recording, name: &str) -> String {
+/// Returns world, method, arena, sensor and seed.
+fn heading(recording: &Recording) -> String {
     let entry = |key: &str| {
-        let found = recording.metadata(name).and_then(|facts| facts.get(key));
+        let found = recording.metadata("run").and_then(|facts| facts.get(key));
         found.map_or("", String::as_str)
     };
     info::heading(["world", "method", "arena", "sensor", "seed"].map(entry))

@@ -1,11 +1,10 @@
 //! A recording as a single HTML page that plays it without network access or other files.
 //!
-//! The page of a comparison has the pages of both runs in frames, which play and pause together.
-//!
 //! A page contains the recording's messages as JSON (`data.rs`) and a script that draws them. The
-//! page of a run also contains its episodes, packed (`episodes.rs`). The script's functions that
+//! page of a run also contains its episodes, packed (`episodes.rs`), and names the most instructive ones (`chapters.rs`). The script's functions that
 //! need no page are in `timeline.js` and `words.js`; Node tests them (`*.test.mjs`).
 
+mod chapters;
 mod data;
 mod episodes;
 mod shapes;
@@ -16,12 +15,9 @@ use minijinja::{Environment, Value, context};
 
 use crate::error::Error;
 use crate::page::escaped;
-use crate::record::RecordingKind;
-use crate::record::layout::SIDES;
 use crate::record::reader::Recording;
 use data::Data;
 
-const COMPARISON: &str = include_str!("comparison.html");
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = concat!(
@@ -34,47 +30,36 @@ const SCRIPT: &str = concat!(
     include_str!("player.js")
 );
 
-/// Returns a recording as an HTML page that plays it in a browser. A comparison plays both runs
-/// side by side.
+/// Returns a recording as an HTML page that plays it in a browser.
 ///
 /// # Errors
 /// If messages cannot be decoded or the world is missing.
 pub fn page(recording: &Recording) -> Result<String, Error> {
-    if recording.extent() != Some(RecordingKind::Comparison) {
-        let data = Data::of(recording, None)?;
-        return Ok(page_of(&data, data.heading()));
-    }
-    let [a, b] = SIDES.map(|side| Data::of(recording, Some(side)));
-    let (a, b) = (a?, b?);
-    let [title_a, title_b] =
-        [("A", &a), ("B", &b)].map(|(side, data)| format!("{side}: {}", data.heading()));
-    Ok(filled(
-        COMPARISON,
-        context! {
-            title_a => escaped(&title_a),
-            title_b => escaped(&title_b),
-            a => escaped(&page_of(&a, &title_a)),
-            b => escaped(&page_of(&b, &title_b)),
-        },
-    ))
+    Ok(page_of(&Data::of(recording)?))
 }
 
-/// Returns the page of a run: it plays the highlights, and the episodes with these recordings. Of
-/// many or large episodes, it contains a part, which takes at most 2.5 MB.
+/// Returns the page of a run: it plays a drive of the learned policy, and the episodes with these
+/// recordings. `run` is the recording of the run. Of many or large episodes, the page contains a
+/// part, which takes at most 2.5 MB; the chapters are preferred.
 ///
 /// # Errors
 /// If messages cannot be decoded, the world is missing, or a recording cannot be read.
-pub fn page_of_run(highlights: &Recording, episodes: &[PathBuf]) -> Result<String, Error> {
-    let mut data = Data::of(highlights, None)?;
-    data.packed_episodes = episodes::packed(episodes)?;
-    Ok(page_of(&data, data.heading()))
+pub fn page_of_run(
+    drive: &Recording,
+    run: &Recording,
+    episodes: &[PathBuf],
+) -> Result<String, Error> {
+    let chapters = chapters::chapters(run)?;
+    let mut data = Data::of(drive)?;
+    data.set_run(chapters, episodes)?;
+    Ok(page_of(&data))
 }
 
 /// Returns the page of one run.
-fn page_of(data: &Data, title: &str) -> String {
+fn page_of(data: &Data) -> String {
     let json = serde_json::to_string(data).expect("the data have text keys and finite numbers");
     let values = context! {
-        title => escaped(title),
+        title => escaped(data.heading()),
         style => STYLE,
         data => inert(&json),
         script => SCRIPT,

@@ -9,6 +9,7 @@ const LAYERS = [
   ["percept", "percept and lidar"],
   ["estimate", "estimate"],
 ];
+const FINAL_DRIVE = "The learned policy, exploration off";
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 const state = { t: 0, playing: false, speed: 1, shown: new Set(["policy", "trail", "percept", "estimate"]) };
 
@@ -32,9 +33,29 @@ function episodeBegin() {
   return lastAt(data.begins, state.t)?.t ?? 0;
 }
 
-/** Returns the number of the episode that is shown, or null before the first. */
+/** Returns whether the page shows the drive of a run's learned policy. */
+function isFinalDrive() {
+  return data === recording && recording.packed_episodes.length > 0;
+}
+
+/** Returns the number of the episode that is shown, or null before the first and in the final drive. */
 function currentEpisode() {
+  if (isFinalDrive()) return null;
   return lastAt(data.episodes, state.t)?.episode ?? null;
+}
+
+/** Returns what is shown. */
+function caption() {
+  if (isFinalDrive()) return FINAL_DRIVE;
+  const episode = currentEpisode();
+  const chapter = recording.chapters.find((one) => one.episode === episode);
+  return chapter?.title ?? (episode === null ? "" : `${data.noun} ${episode}`);
+}
+
+/** Returns the place in the list that is shown, if it is a time of the recording. */
+function place() {
+  const begun = recording.begins.length > 1 ? episodeBegin() : 0;
+  return `t${begun}`;
 }
 
 function setFacts(list) {
@@ -75,9 +96,7 @@ function describe() {
   const current = decision && decision.t >= episodeBegin() ? decision : null;
   const estimate = lastAt(data.estimates, state.t);
   const episode = lastAt(data.episodes, state.t);
-  const caption = lastAt(data.captions, state.t);
-  byId("caption").textContent = caption?.title ?? "";
-  byId("remark").textContent = caption?.remark ?? "";
+  byId("caption").textContent = caption();
   byId("because").textContent = current ? because(current) : "";
   byId("why").textContent = current ? current.rule || `chosen by ${source(current.chosen_by)}` : "";
   byId("terms").textContent = terms(current?.rule ?? "");
@@ -93,11 +112,11 @@ function describe() {
     ["policy", episode && (episode.optimal ? "optimal" : "not optimal yet")],
   ]);
   setValues(current);
-  byId("place").value = data === recording ? `t${data.segments[Math.max(lastIndex(data.segments, state.t), 0)]?.t}` : `e${data.episode}`;
+  byId("place").value = data === recording ? place() : `e${data.episode}`;
   byId("seek").max = data.end;
   byId("clock").textContent = `${clock(state.t)} / ${clock(data.end)}`;
   byId("seek").value = state.t;
-  byId("seek").setAttribute("aria-valuetext", `${clock(state.t)}, ${caption?.title ?? ""}`);
+  byId("seek").setAttribute("aria-valuetext", `${clock(state.t)}, ${caption()}`);
 }
 
 // ---- playing
@@ -113,24 +132,9 @@ function seek(t) {
   show();
 }
 
-/** Does something when the user touches an element, here and on the other side of a comparison. */
+/** Does something when the user touches an element. */
 function on(id, event, act) {
-  byId(id).addEventListener(event, (happened) => {
-    act(happened);
-    share();
-  });
-}
-
-/** Tells the other side of a comparison what is played. */
-function share() {
-  if (parent !== window) parent.postMessage({ t: state.t, playing: state.playing, speed: state.speed }, "*");
-}
-
-/** Plays what the other side of a comparison plays. */
-function follow({ t, playing, speed }) {
-  byId("speed").value = state.speed = speed;
-  seek(t);
-  if (playing !== state.playing) setPlaying(playing);
+  byId(id).addEventListener(event, act);
 }
 
 function setPlaying(playing) {
@@ -171,10 +175,15 @@ function setSpeed(by) {
 
 // ---- episodes
 
+let opening = 0;
+
 /** Shows an episode that the page holds, or the whole recording if there is no such episode. */
 async function openEpisode(number) {
+  const own = ++opening;
   const episode = recording.packed_episodes.find((one) => one.episode === number);
   const opened = episode ? { ...withPoses(await inflated(episode.data)), episode: number, curve: recording.curve } : recording;
+  // A later choice may have been unpacked earlier.
+  if (own !== opening) return;
   setPlaying(false);
   data = opened;
   seek(0);
@@ -188,23 +197,25 @@ async function goTo(place) {
   seek(number);
 }
 
-/** Fills the list of places: the segments of the recording, and the episodes that the page holds. */
+/** Fills the list of places: the episodes of the recording, or the chapters and the episodes that the page holds. */
 function listPlaces() {
-  const segments = recording.segments.map(({ t, title }) => new Option(title, `t${t}`));
-  const episodes = recording.packed_episodes.map(({ episode }) => {
+  const begins = recording.begins.map(({ t, episode }) => new Option(`${recording.noun} ${episode}`, `t${t}`));
+  const chapters = recording.chapters.map(({ title, episode }) => new Option(title, `e${episode}`));
+  chapters.push(new Option(FINAL_DRIVE, "t0"));
+  const others = recording.packed_episodes.filter((one) => !recording.chapters.some(({ episode }) => episode === one.episode));
+  const episodes = others.map(({ episode }) => {
     const steps = recording.curve.steps[recording.curve.episode.indexOf(episode)];
     return new Option(`Episode ${episode}${steps === undefined ? "" : `: ${steps} steps`}`, `e${episode}`);
   });
-  const groups = [["Highlights", segments], ["All episodes", episodes]];
-  if (episodes.length < recording.curve.episode.length) groups[1][0] = "Episodes";
+  const groups = [["Highlights", chapters], ["Other episodes", episodes]];
   const titled = groups.map(([label, options]) => {
     const group = document.createElement("optgroup");
     group.label = label;
     group.append(...options);
     return group;
   });
-  byId("place").replaceChildren(...(episodes.length ? titled : segments));
-  byId("place").parentElement.hidden = segments.length + episodes.length < 2;
+  byId("place").replaceChildren(...(recording.packed_episodes.length ? titled : begins));
+  byId("place").parentElement.hidden = byId("place").options.length < 2;
 }
 
 /** Goes to the episode nearest to a point of the learning curve. */
@@ -220,7 +231,6 @@ function goToCurve(share) {
 function begin() {
   // Old browsers cannot unpack the episodes.
   if (typeof DecompressionStream === "undefined") recording.packed_episodes = [];
-  if (parent !== window) document.documentElement.className = "side";
   byId("result").textContent = summary(data.curve, data.result);
   byId("curve-note").textContent = data.curve.episode.length ? "The red line marks the episode that is shown. Click to go to an episode." : "This recording has no learning curve.";
   byId("sure-title").hidden = byId("sure").hidden = !data.estimates.length;
@@ -235,7 +245,7 @@ function begin() {
 function listLegend() {
   const legend = [["far", "best action, far from the goal"], ["near", "near it (between: green)"], ["never", "not on a way to the goal"], ["start", "start"], ["goal", "goal"], ["robot", "robot; its arrow is its front, it also drives backward"], ["trail", "path of this episode"], ["hit", "collision"]];
   if (data.scenes.percept.length) legend.push(["free", "perceived as free when it decided"], ["blocked", "perceived as a wall"]);
-  if (data.estimates.length) legend.push(["beam", "lidar beam, where recorded (in highlights: the last drive)"], ["estimate", "estimated pose; dashed: 3 standard deviations, 10 times as large"]);
+  if (data.estimates.length) legend.push(["beam", "lidar beam, where recorded"], ["estimate", "estimated pose; dashed: 3 standard deviations, 10 times as large"]);
   byId("legend").replaceChildren(
     ...legend.map(([colour, text]) => {
       const [item, mark] = [document.createElement("li"), document.createElement("i")];
@@ -288,9 +298,7 @@ function listen() {
     if (event.ctrlKey || event.metaKey || event.altKey || !keys[event.key] || event.target.closest?.(own)) return;
     event.preventDefault();
     keys[event.key]();
-    share();
   });
-  addEventListener("message", ({ source, data }) => source === parent && follow(data));
   addEventListener("resize", show);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
 }

@@ -51,26 +51,14 @@ impl Recording {
     }
 }
 
-/// Returns the prefixes of attachments and topics: one for each side of a comparison, and otherwise
-/// an empty one.
-fn sides(recording: &Recording) -> Vec<String> {
-    match recording.extent() {
-        Some(RecordingKind::Comparison) => layout::SIDES.map(|side| format!("{side}/")).to_vec(),
-        _ => vec![String::new()],
-    }
-}
-
 fn check_facts(recording: &Recording, findings: &mut Vec<String>) {
-    let mut names: Vec<String> = Vec::new();
-    for side in sides(recording) {
-        names.extend(ATTACHED.map(|name| format!("{side}{name}")));
-    }
+    let mut names = ATTACHED.to_vec();
     let kind = recording.extent();
     if kind.is_some_and(|kind| kind.episode().is_none()) {
-        names.push(LAYOUT.to_owned());
+        names.push(LAYOUT);
     }
     for name in names {
-        let data = recording.attachment(&name);
+        let data = recording.attachment(name);
         let what = match data.map(serde_json::from_slice::<serde::de::IgnoredAny>) {
             None => format!("the attachment {name} is missing"),
             Some(Err(error)) => format!("the attachment {name} is not JSON: {error}"),
@@ -85,27 +73,12 @@ fn check_facts(recording: &Recording, findings: &mut Vec<String>) {
     findings.extend(recording.run_kind().err().map(|error| error.to_string()));
 }
 
-/// Returns the topic without the prefix of its side in a comparison.
-fn plain(topic: &str) -> &str {
-    let below = |side: &&str| {
-        let rest = topic.strip_prefix('/')?.strip_prefix(*side)?;
-        rest.starts_with('/').then_some(rest)
-    };
-    layout::SIDES.iter().find_map(below).unwrap_or(topic)
-}
-
 fn check_topics(recording: &Recording, findings: &mut Vec<String>) {
-    let kind = match recording.extent() {
-        Some(RecordingKind::Comparison) => RecordingKind::Highlights,
-        // A recording without a kind is checked as an episode.
-        kind => kind.unwrap_or(RecordingKind::Episode(1)),
-    };
-    let mut known = BTreeSet::new();
-    for side in sides(recording) {
-        known.extend(check_side(&side, kind, recording, findings));
-    }
+    // A recording without a kind is checked as an episode.
+    let kind = recording.extent().unwrap_or(RecordingKind::Episode(1));
+    let known = check_known(kind, recording, findings);
     let unknown = recording.topics().into_iter().map(|topic| topic.name);
-    let unknown = unknown.filter(|name| !known.contains(name));
+    let unknown = unknown.filter(|name| !known.contains(&name.as_str()));
     let unknown = unknown.map(|name| format!("the topic {name} is unknown in such a recording"));
     findings.extend(unknown.take(MAX_LISTED));
 }
@@ -116,41 +89,33 @@ fn has_no_episode(recording: &Recording) -> bool {
     is_external && recording.topics().iter().all(|topic| topic.messages == 0)
 }
 
-/// Returns whether the robot estimates its pose, and whether its lidar beams are recorded. The
-/// source is the facts of the recording, or of a side of a comparison.
-fn sensing(side: &str, recording: &Recording) -> [bool; 2] {
-    let facts = match side.trim_end_matches('/') {
-        "" => "run",
-        side => side,
-    };
-    let config = recording.attachment(&format!("{side}config.json"));
+/// Returns whether the robot estimates its pose, and whether its lidar beams are recorded.
+fn sensing(recording: &Recording) -> [bool; 2] {
+    let config = recording.attachment("config.json");
     let config: Option<Config> = config.and_then(|text| serde_json::from_slice(text).ok());
     let mode = recording
-        .metadata(facts)
+        .metadata("run")
         .and_then(|facts| facts.get("record"));
     let beams = mode.is_some_and(|mode| mode.parse() == Ok(RecordMode::Beams));
     [config.is_some_and(|config| config.senses()), beams]
 }
 
-/// Checks the topics of a recording, or of a side of a comparison. Returns the names of those that it
-/// may have.
-fn check_side(
-    side: &str,
+/// Checks the topics of a recording. Returns the names of those that it may have.
+fn check_known(
     kind: RecordingKind,
     recording: &Recording,
     findings: &mut Vec<String>,
-) -> Vec<String> {
+) -> Vec<&'static str> {
     let (present, is_empty) = (recording.topics(), has_no_episode(recording));
-    let named = |topic: &Topic| topic.name().replacen('/', &format!("/{side}"), 1);
     let expected = if kind == RecordingKind::Run {
         Topic::of_run()
     } else {
-        let [senses, beams] = sensing(side, recording);
-        Topic::of_episode(senses, beams && kind != RecordingKind::Highlights)
+        let [senses, beams] = sensing(recording);
+        Topic::of_episode(senses, beams)
     };
-    let known = expected.iter().map(named).collect();
+    let known = expected.iter().map(|topic| topic.name()).collect();
     for topic in expected {
-        let name = named(&topic);
+        let name = topic.name();
         let schema = topic.schema(kind);
         let found = present.iter().find(|found| found.name == name);
         let what = match found {
@@ -197,7 +162,7 @@ fn check_messages(recording: &Recording, findings: &mut Vec<String>) {
             let what = format!("{topic} at {now_ns} ns {fault}");
             findings.push(what);
         }
-        if plain(topic) == Topic::Transforms.name() {
+        if topic == Topic::Transforms.name() {
             let before = posed_ns.insert(topic.to_owned(), now_ns);
             if let Some(before) = before.filter(|&before| now_ns > before + MAX_GAP_NS) {
                 let what = format!("no pose on {topic} from {before} ns to {now_ns} ns");
@@ -210,7 +175,7 @@ fn check_messages(recording: &Recording, findings: &mut Vec<String>) {
 
 /// Returns the first fault of a message against its schema.
 fn fault(message: &Message) -> Option<String> {
-    match Topic::named(plain(message.topic())) {
+    match Topic::named(message.topic()) {
         Some(topic) => topic.fault(&message.data),
         None if message.encoding() == "json" && message.json().is_none() => {
             Some("is not JSON".to_owned())
@@ -245,7 +210,7 @@ fn check_layout(recording: &Recording, findings: &mut Vec<String>) {
         .map(|topic| (topic.name, json_fields(&topic.schema_data)))
         .collect();
     for path in layout::paths(&layout) {
-        let is_of_senses = Topic::named(plain(&path.topic)).is_some_and(Topic::is_of_senses);
+        let is_of_senses = Topic::named(&path.topic).is_some_and(Topic::is_of_senses);
         let what = match fields.get(&path.topic) {
             None if is_of_senses => continue,
             None => format!("the layout shows {path}, but there is no such topic"),

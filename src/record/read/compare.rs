@@ -2,14 +2,11 @@
 
 use std::path::Path;
 
-use serde_json::Value;
-
 use super::reader::{Message, Recording};
 use crate::error::Error;
 
 /// Describes a difference at a time, in nanoseconds of simulation time; 0 outside of messages.
-/// `topic` is the topic, or `attachment NAME`, `metadata` or `file` outside of messages. `field` is
-/// the path of the field in a JSON message, and `byte N` in other messages.
+/// `topic` is the topic, or `attachment NAME`, `metadata` or `file` outside of messages.
 fn difference(time_ns: u64, topic: &str, field: &str, [first, second]: [String; 2]) -> String {
     let seconds = time_ns as f64 / 1e9;
     format!("at {seconds} s, {topic}, {field}: {first} against {second}")
@@ -63,7 +60,7 @@ fn messages(a: &Recording, b: &Recording) -> Result<Option<String>, Error> {
             (None, None) => return Ok(None),
             (Some(x), Some(y)) if x.time_ns == y.time_ns && x.topic() == y.topic() => {
                 if x.data != y.data {
-                    return Ok(Some(within(&x, &y)));
+                    return Ok(Some(bytes(x.time_ns, x.topic(), &x.data, &y.data)));
                 }
             }
             (x, y) => return Ok(Some(missing(x.as_ref(), y.as_ref()))),
@@ -83,36 +80,6 @@ fn missing(x: Option<&Message>, y: Option<&Message>) -> String {
     difference(time_ns, topic, "next message", shown)
 }
 
-/// Returns the difference between two messages on the same topic at the same time.
-fn within(x: &Message, y: &Message) -> String {
-    let found = x.json().zip(y.json());
-    match found.and_then(|(a, b)| field(&a, &b, String::new())) {
-        Some((field, values)) => difference(x.time_ns, x.topic(), &field, values),
-        None => bytes(x.time_ns, x.topic(), &x.data, &y.data),
-    }
-}
-
-/// Returns the path of the first field that differs, with both values.
-fn field(a: &Value, b: &Value, path: String) -> Option<(String, [String; 2])> {
-    match (a, b) {
-        (Value::Object(x), Value::Object(y)) => {
-            let keys = x.keys().chain(y.keys().filter(|key| !x.contains_key(*key)));
-            keys.into_iter().find_map(|key| {
-                let path = match path.is_empty() {
-                    true => key.clone(),
-                    false => format!("{path}.{key}"),
-                };
-                field(&a[key], &b[key], path)
-            })
-        }
-        (Value::Array(x), Value::Array(y)) if x.len() == y.len() => {
-            let mut pairs = x.iter().zip(y).enumerate();
-            pairs.find_map(|(i, (x, y))| field(x, y, format!("{path}[{i}]")))
-        }
-        _ => (a != b).then(|| (path, [a.to_string(), b.to_string()])),
-    }
-}
-
 fn bytes(time_ns: u64, topic: &str, a: &[u8], b: &[u8]) -> String {
     let same = a.iter().zip(b).take_while(|(x, y)| x == y).count();
     let shown = [a, b].map(|bytes| match bytes.get(same) {
@@ -125,22 +92,6 @@ fn bytes(time_ns: u64, topic: &str, a: &[u8], b: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
-
-    #[test]
-    fn the_first_field_that_differs_is_named_by_its_path() {
-        let a = json!({"a": 1, "value": [1.0, 2.0]});
-        let b = json!({"a": 1, "value": [1.0, 2.5]});
-        let found = field(&a, &b, String::new()).unwrap();
-        assert_eq!(found, ("value[1]".into(), ["2.0".into(), "2.5".into()]));
-        assert_eq!(field(&a, &a, String::new()), None);
-    }
-
-    #[test]
-    fn a_field_that_one_side_lacks_differs() {
-        let found = field(&json!({}), &json!({"b": true}), String::new()).unwrap();
-        assert_eq!(found, ("b".into(), ["null".into(), "true".into()]));
-    }
 
     #[test]
     fn bytes_that_end_early_differ_at_their_end() {

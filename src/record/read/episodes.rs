@@ -6,7 +6,7 @@ use super::reader::{Message, Recording};
 use crate::error::Error;
 use crate::record::topics::Topic;
 
-/// The figures of an episode that highlights and summaries show.
+/// The figures of an episode that pages and summaries show.
 #[derive(Debug, Deserialize)]
 pub struct Figures {
     /// The episode's number.

@@ -111,8 +111,8 @@ impl Recording {
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, Error> {
         if is_unfinished(path) {
             let message = format!(
-                "this recording was never finished, so viewers cannot open it; recover it with \
-                 `xcscr recording recover {} -o OUT.mcap`",
+                "this recording was never finished, so viewers cannot open it; `mcap recover` saves \
+                 the readable part: {}",
                 path.display()
             );
             return Err(ErrorKind::BadData.error(message));

@@ -5,12 +5,9 @@ use std::io::Read;
 use mcap::read::ChannelAccumulator;
 use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use mcap::{MAGIC, McapError, McapResult, Message};
+use mcap::{McapError, McapResult, Message};
 
 use crate::disk;
-
-/// The number of bytes of the opcode and the length before each record.
-const HEAD_BYTES: usize = 9;
 
 /// The records of an MCAP stream in sequence, with those inside of chunks, unless the options say
 /// otherwise. Checksums of chunks are verified. A fault of the stream is the last item. A record
@@ -19,7 +16,6 @@ pub(in crate::record) struct Records<R> {
     stream: R,
     /// `None` after the end and after a fault of the stream.
     reader: Option<LinearReader>,
-    at: usize,
 }
 
 impl<R: Read> Records<R> {
@@ -31,13 +27,7 @@ impl<R: Read> Records<R> {
         Self {
             stream,
             reader: Some(LinearReader::new_with_options(options)),
-            at: MAGIC.len(),
         }
-    }
-
-    /// Returns the position of the next record, if chunks are not unpacked.
-    pub fn at(&self) -> usize {
-        self.at
     }
 }
 
@@ -55,7 +45,6 @@ impl<R: Read> Iterator for Records<R> {
                     }
                 }
                 Ok(LinearReadEvent::Record { opcode, data }) => {
-                    self.at += HEAD_BYTES + data.len();
                     return Some(parse_record(opcode, data).map(Record::into_owned));
                 }
                 Err(fault) => break fault,

@@ -3,11 +3,10 @@
 use foxglove::messages::{SceneUpdate, TextPrimitive};
 
 use super::rule;
-use super::scene::{WORLD, color, entity, label, place, size_m, update};
+use super::scene::{WORLD, entity, label, place, size_m, update};
 use crate::world::Maze;
 
 const TITLE: u32 = 0xffffff;
-const REMARK: u32 = 0xf4b740;
 const HEADING: u32 = 0x9aa5b8;
 /// The height of a title as a share of the maze's longer side.
 const SIZE: f64 = 0.062;
@@ -16,13 +15,11 @@ const SIZE: f64 = 0.062;
 const LETTER: f64 = 0.6;
 const WIDEST: f64 = 1.35;
 
-/// A caption of three lines.
+/// A caption of two lines.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::record) struct Caption {
     /// What is shown.
     pub title: String,
-    /// A remark about it.
-    pub remark: String,
     /// World, method, arena, sensor and seed.
     pub heading: String,
 }
@@ -34,27 +31,12 @@ impl Caption {
         let all = [
             (&self.heading, 3.9, 0.7, HEADING),
             (&self.title, 2.45, 1.0, TITLE),
-            (&self.remark, 1.05, 0.8, REMARK),
         ];
         let shown = all.into_iter().filter(|(text, ..)| !text.is_empty());
         lines.texts = shown
             .map(|(text, up, size, rgb)| line(maze, text, up, size, rgb))
             .collect();
         update(vec![lines])
-    }
-
-    /// Reads the lines from a caption's scene, which distinguishes them by colour.
-    pub fn read(scene: &SceneUpdate) -> Self {
-        let texts = || scene.entities.iter().flat_map(|entity| &entity.texts);
-        let line = |rgb| {
-            let found = texts().find(|text| text.color == Some(color(rgb, 1.0)));
-            found.map_or_else(String::new, |text| text.text.clone())
-        };
-        Self {
-            title: line(TITLE),
-            remark: line(REMARK),
-            heading: line(HEADING),
-        }
     }
 }
 
@@ -80,23 +62,4 @@ fn line(maze: &Maze, text: &str, up: f64, share: f64, rgb: u32) -> TextPrimitive
     let fits = WIDEST * wide / (LETTER * text.chars().count() as f64);
     let at = place(wide / 2.0, high + clearance_m(maze) + up * title, 0.0);
     label(at, fits.min(share * title), rgb, text)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_caption_is_read_back_even_if_a_line_is_missing() {
-        let world = br######"{ "rows": ["####", "#SG#", "####"] }"######;
-        let maze = Maze::from_json(world, "m.json").unwrap();
-        let mut caption = Caption {
-            title: "a title".to_owned(),
-            remark: "a remark".to_owned(),
-            heading: "a heading".to_owned(),
-        };
-        assert_eq!(Caption::read(&caption.scene(&maze, 0)), caption);
-        caption.remark.clear();
-        assert_eq!(Caption::read(&caption.scene(&maze, 0)), caption);
-    }
 }

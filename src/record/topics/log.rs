@@ -16,11 +16,6 @@ pub(in crate::record) fn began(episode: u32, time_ns: u64) -> Log {
     )
 }
 
-/// Logs the end of a segment of the highlights.
-pub(in crate::record) fn segment(text: &str, time_ns: u64) -> Log {
-    line(time_ns, Level::Info, "highlights", text.to_owned())
-}
-
 /// Logs a collision; `None` if the step had none.
 pub(in crate::record) fn collision(step: &Step<'_>, time_ns: u64) -> Option<Log> {
     let Outcome::Collided { impulse_ns } = step.outcome else {

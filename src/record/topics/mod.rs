@@ -27,10 +27,9 @@ pub(super) mod transforms;
 pub(super) mod values;
 mod well_known;
 
-pub(super) use caption::Caption;
 pub(super) use fields::Fields;
-pub(super) use scene::{ESTIMATE, ROBOT, WORLD, nanoseconds, size_m, timestamp};
-pub(super) use well_known::{WellKnown, decoded, encoded};
+pub(super) use scene::{ESTIMATE, ROBOT, WORLD, nanoseconds, size_m};
+pub(super) use well_known::{WellKnown, decoded};
 
 use std::sync::LazyLock;
 
@@ -209,7 +208,7 @@ impl Topic {
     }
 
     /// Returns the schema of the topic's messages in recordings of this kind. Schemas of our own
-    /// messages explain each field in run and highlights recordings, and name the required ones. In
+    /// messages explain each field in the recording of the run, and name the required ones. In
     /// the many episode recordings they only give the types.
     pub(super) fn schema(self, of: RecordingKind) -> &'static Schema {
         static SCHEMAS: LazyLock<[Vec<Schema>; 2]> = LazyLock::new(|| {

@@ -1,7 +1,7 @@
-//! The well-known messages, decoded to check them or to change their times and frames.
+//! The well-known messages, decoded to check them.
 
+use foxglove::Decode;
 use foxglove::messages::{FrameTransforms, LaserScan, Log, SceneUpdate, Timestamp};
-use foxglove::{Decode, Encode};
 
 use super::{Message, Topic};
 
@@ -26,16 +26,6 @@ impl WellKnown {
         Ok(Some(message))
     }
 
-    /// Encodes the message.
-    pub fn encode(&self) -> Vec<u8> {
-        match self {
-            Self::Frames(frames) => encoded(frames),
-            Self::Scene(scene) => encoded(scene),
-            Self::Scan(scan) => encoded(scan),
-            Self::Log(line) => encoded(line),
-        }
-    }
-
     /// Returns all times in the message.
     pub fn times(&mut self) -> Vec<&mut Timestamp> {
         match self {
@@ -55,35 +45,9 @@ impl WellKnown {
             Self::Log(line) => line.timestamp.as_mut().into_iter().collect(),
         }
     }
-
-    /// Returns all frame names in the message.
-    pub fn frames(&mut self) -> Vec<&mut String> {
-        match self {
-            Self::Frames(frames) => {
-                let frames = frames.transforms.iter_mut();
-                let both = frames.flat_map(|f| [&mut f.parent_frame_id, &mut f.child_frame_id]);
-                both.collect()
-            }
-            Self::Scene(scene) => {
-                let entities = scene.entities.iter_mut();
-                entities.map(|entity| &mut entity.frame_id).collect()
-            }
-            Self::Scan(scan) => vec![&mut scan.frame_id],
-            Self::Log(_) => Vec::new(),
-        }
-    }
 }
 
 /// Decodes a message; `Err` describes the fault.
 pub(in crate::record) fn decoded<M: Decode>(data: &[u8]) -> Result<M, String> {
     M::decode(data).map_err(|fault| fault.to_string())
-}
-
-/// Encodes a message.
-pub(in crate::record) fn encoded(message: &impl Encode) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    message
-        .encode(&mut bytes)
-        .expect("a vector has room for any message");
-    bytes
 }

@@ -13,7 +13,6 @@ use crate::disk;
 use crate::error::Error;
 use crate::record::error;
 use crate::record::info::{RecordingKind, RunInfo};
-use crate::record::layout::SIDES;
 use crate::record::mode::RecordMode;
 use crate::record::topics::Topic;
 
@@ -24,16 +23,13 @@ pub struct Facts<'a> {
     pub world: &'a str,
     pub mode: RecordMode,
     pub kind: RecordingKind,
-    /// The side of a comparison.
-    pub side: Option<&'a str>,
 }
 
 /// An MCAP stream with a fixed set of topics. The same calls produce the same bytes.
 pub struct LogFile<W: Write> {
     writer: Sink<W>,
-    /// The channel by side and [`Topic`], if this file has one. Only comparisons have a second
-    /// side.
-    channels: [[Option<u16>; Topic::ALL.len()]; SIDES.len()],
+    /// The channel by [`Topic`], if this file has one.
+    channels: [Option<u16>; Topic::ALL.len()],
     /// The number of messages written so far.
     messages: u64,
 }
@@ -44,60 +40,39 @@ impl<W: Write> LogFile<W> {
         let writer = sink::begin(sink, packing)?;
         Ok(Self {
             writer,
-            channels: [[None; Topic::ALL.len()]; SIDES.len()],
+            channels: [None; Topic::ALL.len()],
             messages: 0,
         })
     }
 
     /// Writes the facts of a run.
     pub fn facts(&mut self, facts: &Facts<'_>, time_ns: u64) -> McapResult<()> {
-        let Facts { info, side, .. } = facts;
-        let below = |name: &str| side.map_or(name.to_owned(), |side| format!("{side}/{name}"));
+        let info = facts.info;
         let metadata = info.metadata(facts.world, facts.mode, facts.kind);
-        self.metadata(side.unwrap_or("run"), metadata)?;
-        self.attach(&below("world.json"), time_ns, &info.world_json)?;
-        self.attach(&below("config.json"), time_ns, &info.config_json)
+        self.metadata("run", metadata)?;
+        self.attach("world.json", time_ns, &info.world_json)?;
+        self.attach("config.json", time_ns, &info.config_json)
     }
 
-    /// Declares the topics of this kind of recording, so that they exist even without messages. The
-    /// topics of a `side` of a comparison are below its name.
-    pub fn declare(
-        &mut self,
-        of: RecordingKind,
-        topics: &[Topic],
-        side: Option<usize>,
-    ) -> McapResult<()> {
-        let below = side.map_or(String::new(), |side| format!("/{}", SIDES[side]));
-        let side = side.unwrap_or(0);
+    /// Declares the topics of this kind of recording, so that they exist even without messages.
+    pub fn declare(&mut self, of: RecordingKind, topics: &[Topic]) -> McapResult<()> {
         for &topic in topics {
             let schema = topic.schema(of);
-            let (name, encoding) = (format!("{below}{}", topic.name()), &schema.encoding);
             let id = self
                 .writer
-                .add_schema(&schema.name, encoding, &schema.data)?;
+                .add_schema(&schema.name, &schema.encoding, &schema.data)?;
             let encoding = topic.message_encoding();
             let channel = self
                 .writer
-                .add_channel(id, &name, encoding, &BTreeMap::new())?;
-            self.channels[side][topic as usize] = Some(channel);
+                .add_channel(id, topic.name(), encoding, &BTreeMap::new())?;
+            self.channels[topic as usize] = Some(channel);
         }
         Ok(())
     }
 
     /// Writes a message, unless the file lacks the topic.
     pub fn message(&mut self, topic: Topic, time_ns: u64, encoded: &[u8]) -> McapResult<()> {
-        self.message_at(0, topic, time_ns, encoded)
-    }
-
-    /// Writes a message of a side of a comparison, unless the file lacks the topic.
-    pub fn message_at(
-        &mut self,
-        side: usize,
-        topic: Topic,
-        time_ns: u64,
-        encoded: &[u8],
-    ) -> McapResult<()> {
-        let Some(channel_id) = self.channels[side][topic as usize] else {
+        let Some(channel_id) = self.channels[topic as usize] else {
             return Ok(());
         };
         let header = MessageHeader {
@@ -262,7 +237,7 @@ mod tests {
     fn write_to(sink: impl Write) -> McapResult<()> {
         let mut log = LogFile::new(sink, Packing::Small)?;
         log.attach("world.json", 0, "{}")?;
-        log.declare(RecordingKind::Run, Topic::ALL, None)?;
+        log.declare(RecordingKind::Run, Topic::ALL)?;
         for time_ns in 0..50 {
             log.message(Topic::Step, time_ns, b"{}")?;
         }
@@ -285,8 +260,7 @@ mod tests {
     fn a_message_on_a_topic_that_the_file_lacks_is_left_out() {
         let mut bytes = Vec::new();
         let mut log = LogFile::new(&mut bytes, Packing::Small).unwrap();
-        log.declare(RecordingKind::Run, &[Topic::Log], None)
-            .unwrap();
+        log.declare(RecordingKind::Run, &[Topic::Log]).unwrap();
         log.message(Topic::Step, 0, b"{}").unwrap();
         log.finish().unwrap();
         let summary = mcap::Summary::read(&bytes).unwrap().unwrap();

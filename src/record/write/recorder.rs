@@ -263,7 +263,6 @@ impl Recorder {
             world: &self.world,
             mode: self.memory.mode,
             kind,
-            side: None,
         };
         file.with(|log| {
             log.facts(&facts, self.memory.clock_ns)?;
@@ -271,7 +270,7 @@ impl Recorder {
                 let [_, layout] = &self.layouts;
                 log.attach("foxglove-layout.json", self.memory.clock_ns, layout)?;
             }
-            log.declare(kind, topics, None)
+            log.declare(kind, topics)
         })?;
         Ok(file)
     }

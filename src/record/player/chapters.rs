@@ -1,12 +1,13 @@
-//! Selects the episodes of a highlights recording.
+//! Selects the most instructive episodes of a run.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
 use foxglove::messages::{Point3, SceneUpdate};
+use serde::Serialize;
 
 use crate::error::Error;
-use crate::record::read::reader::{Message, Recording};
+use crate::record::reader::{Message, Recording};
 use crate::record::topics::policy::ARROW_CORNERS;
 use crate::record::topics::{Topic, decoded};
 
@@ -22,38 +23,22 @@ enum Reason {
     FirstOptimal,
 }
 
-/// An episode of a highlights recording.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Segment {
+/// An instructive episode.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Chapter {
     /// The episode's number, from 1.
     pub episode: u32,
-    reasons: Vec<Reason>,
-    /// The number of policy arrows that the episode changed.
-    pub changed: usize,
+    /// Why it is instructive.
+    pub title: String,
 }
 
-impl Segment {
-    /// Returns the title. The policy becomes optimal at the episode's end, so the title says so
-    /// only if `is_over`.
-    pub fn title(&self, is_over: bool) -> String {
-        let is_alone = self.reasons.len() == 1;
-        let reasons = self.reasons.iter().filter_map(|reason| match reason {
-            Reason::First => Some("how it begins"),
-            Reason::FirstGoal => Some("the goal for the first time"),
-            Reason::GreatChange => Some("a great change of policy"),
-            Reason::FirstOptimal if is_over => Some("the first optimal policy"),
-            Reason::FirstOptimal => is_alone.then_some("the last episode before the optimum"),
-        });
-        let reasons: Vec<&str> = reasons.collect();
-        format!("Episode {}: {}", self.episode, reasons.join(", "))
-    }
-
-    /// Returns the maximum duration in the recording, in nanoseconds.
-    pub fn most_ns(&self) -> u64 {
-        const SECOND_NS: u64 = 1_000_000_000;
-        match self.reasons[0] {
-            Reason::First | Reason::FirstGoal => 16 * SECOND_NS,
-            Reason::GreatChange | Reason::FirstOptimal => 12 * SECOND_NS,
+impl Reason {
+    fn text(self) -> &'static str {
+        match self {
+            Self::First => "how it begins",
+            Self::FirstGoal => "the goal for the first time",
+            Self::GreatChange => "a great change of policy",
+            Self::FirstOptimal => "the first optimal policy",
         }
     }
 }
@@ -70,7 +55,7 @@ struct Ended {
 ///
 /// # Errors
 /// If the recording is damaged.
-pub fn segments(run: &Recording) -> Result<Vec<Segment>, Error> {
+pub fn chapters(run: &Recording) -> Result<Vec<Chapter>, Error> {
     let mut ended = Vec::new();
     let mut policy = Policy::default();
     for message in run.messages() {
@@ -121,7 +106,7 @@ fn corner_bits(arrow: &[Point3]) -> [u64; 4] {
     [tip.x, tip.y, left.x, left.y].map(f64::to_bits)
 }
 
-fn chosen(ended: &[Ended]) -> Vec<Segment> {
+fn chosen(ended: &[Ended]) -> Vec<Chapter> {
     let mut reasons: BTreeMap<u32, Vec<Reason>> = BTreeMap::new();
     let mut add = |ended: Option<&Ended>, reason| {
         if let Some(ended) = ended {
@@ -137,21 +122,25 @@ fn chosen(ended: &[Ended]) -> Vec<Segment> {
     for one in changes.into_iter().take(MAX_CHANGES) {
         reasons.insert(one.episode, vec![Reason::GreatChange]);
     }
-    let segment = |one: &Ended| {
-        Some(Segment {
+    let chapter = |one: &Ended| {
+        let reasons: Vec<&str> = reasons
+            .remove(&one.episode)?
+            .into_iter()
+            .map(Reason::text)
+            .collect();
+        Some(Chapter {
             episode: one.episode,
-            reasons: reasons.remove(&one.episode)?,
-            changed: one.changed,
+            title: format!("Episode {}: {}", one.episode, reasons.join(", ")),
         })
     };
-    ended.iter().filter_map(segment).collect()
+    ended.iter().filter_map(chapter).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Returns the titles of the segments of episodes with these goals, optima and changes.
+    /// Returns the titles of the chapters of episodes with these goals, optima and changes.
     fn titles(episodes: &[(bool, bool, usize)]) -> Vec<String> {
         let numbered = (1..).zip(episodes);
         let ended: Vec<Ended> = numbered
@@ -162,8 +151,8 @@ mod tests {
                 changed,
             })
             .collect();
-        let segments = chosen(&ended);
-        segments.iter().map(|segment| segment.title(true)).collect()
+        let chapters = chosen(&ended).into_iter();
+        chapters.map(|chapter| chapter.title).collect()
     }
 
     #[test]
@@ -187,25 +176,6 @@ mod tests {
             "Episode 8: a great change of policy",
         ];
         assert_eq!(titles(&run), wanted);
-    }
-
-    #[test]
-    fn no_title_mentions_an_optimal_policy_too_early() {
-        let title = |reasons: &[Reason], is_over| {
-            let segment = Segment {
-                episode: 3,
-                reasons: reasons.to_vec(),
-                changed: 1,
-            };
-            segment.title(is_over)
-        };
-        let both = [Reason::FirstGoal, Reason::FirstOptimal];
-        assert_eq!(
-            title(&both, false),
-            "Episode 3: the goal for the first time"
-        );
-        assert!(title(&both, true).ends_with(", the first optimal policy"));
-        assert!(title(&both[1..], false).ends_with(": the last episode before the optimum"));
     }
 
     #[test]
