@@ -6,8 +6,8 @@
 //
 // The viewer is Lichtblick, built from its own sources (its README says how) and served on this
 // machine. XCSCR names the program, if it is not target/release/xcscr; CHROMIUM the browser, if it
-// is not /usr/bin/chromium. ImageMagick's `convert` joins the frames of the moving picture. The
-// trainings take a minute, a picture another one, the moving picture five.
+// is not /usr/bin/chromium. The trainings take a minute,
+// a picture another one.
 "use strict";
 
 const { execFileSync, spawn } = require("node:child_process");
@@ -101,29 +101,6 @@ async function picture(browser, name, link, seconds, change = () => {}, size = [
   console.log(`${file}: ${fs.statSync(file).size} bytes`);
 }
 
-/** A moving picture of the first seconds of what a link shows, two frames a second. */
-async function moving(browser, name, link, seconds, change, size) {
-  if (!isWanted(name)) return;
-  const page = await opened(browser, link, 0, change, size);
-  const frames = [];
-  for (let at = 0; at < 2 * seconds; at += 1) {
-    frames.push(run(`frame-${String(at).padStart(3, "0")}.png`));
-    await take(page, frames[at]);
-    await page.keyboard.press("Alt+ArrowRight");
-    await page.waitForTimeout(700);
-  }
-  await page.close();
-  const file = path.join(into, `${name}.gif`);
-  const small = ["-resize", "560x", "+dither", "-colors", "48", "-layers", "optimize"];
-  execFileSync("convert", ["-delay", "25", ...frames, ...small, file]);
-  console.log(`${file}: ${fs.statSync(file).size} bytes`);
-}
-
-/** The 3D panel alone. */
-const alone = (layout) => {
-  layout.layout = "3D!main";
-};
-
 /** Shows the 3D panel alone, as close to the robot as asked. */
 const closeUp = (cells) => (layout) => {
   const panel = layout.configById["3D!main"];
@@ -134,18 +111,8 @@ const closeUp = (cells) => (layout) => {
   layout.layout = "3D!main";
 };
 
-const landscape = (layout) => {
-  const panel = layout.configById["3D!main"];
-  panel.topics["/scene/values"].visible = true;
-  panel.cameraState.phi = 50;
-  panel.cameraState.distance *= 0.9;
-  panel.topics["/scene/rule"].visible = false;
-  layout.layout = "3D!main";
-};
-
 async function main() {
   train("worlds/maze4.json", "run", "--record", "beams");
-  train("worlds/maze4.json", "other", "--method", "q-learning", "--seed", "2");
   fs.writeFileSync(run("rooms.json"), xcscr("world", "generate", "--kind", "rooms", "--size", "20", "--seed", "3"));
   const rooms = ["--arena", "grid", "--method", "r-max", "--sensor", "neighbours-position", "--episodes", "60"];
   train(run("rooms.json"), "large", ...rooms);
@@ -158,18 +125,12 @@ async function main() {
     args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
   });
   const shown = await serve(run("run"));
-  const [highlights, whole] = shown.links;
-  await moving(browser, "highlights", highlights, 48, alone, [1120, 800]);
-  await picture(browser, "highlights", highlights, 41);
+  const [whole] = shown.links;
   await picture(browser, "run", whole, 1396);
-  await picture(browser, "landscape", highlights, 41, landscape, [1120, 680]);
   shown.child.kill();
   const felt = await serve(path.join(run("run"), "ep-0001.mcap"));
   await picture(browser, "felt", felt.links[0], 30, closeUp(5), [1120, 680]);
   felt.child.kill();
-  const both = await serve(run("run"), run("other"), "--compare");
-  await picture(browser, "compare", both.links[0], 100);
-  both.child.kill();
   const large = await serve(run("large"));
   await picture(browser, "large", large.links[0], 80);
   large.child.kill();

@@ -20,7 +20,7 @@ class Record(gymnasium.Wrapper[np.ndarray, Any, np.ndarray, Any]):
 
     - `env`: one of the environments `xcscr/<Maze>-v0`, or `xcscr/Wheels-v0`
     - `folder`: missing or empty
-    - `record`: which episodes get a file: `"all"`, `"beams"` (all, with each lidar beam), `"every:50"`, `"best"` or `"last"`
+    - `record`: which episodes get a file: `"all"`, `"beams"` (all, with each lidar beam), or `"every:50"`
 
     An episode is written when it ends, or when the environment is reset or closed. Call `close` at the end: it writes the
     seeds, the actions and the rewards to `run.mcap`. `xcscr recording verify` repeats them and compares every byte.

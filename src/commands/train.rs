@@ -63,7 +63,7 @@ pub struct TrainArgs {
     /// Start from rules learned elsewhere: a rules.json file or the folder of a run.
     #[arg(long, value_name = "RULES|RUN", conflicts_with = "resume")]
     init_rules: Option<PathBuf>,
-    /// Episodes to record: all, best, last, every:N, beams (all, with each lidar beam) or none.
+    /// Episodes to record: all, every:N, beams (all, with each lidar beam) or none.
     #[arg(long, default_value = "all", value_name = "MODE")]
     record: RecordMode,
     /// Print one JSON document instead of the report.

@@ -13,10 +13,6 @@ pub enum RecordMode {
     /// Every episode.
     #[default]
     All,
-    /// The episode that reached the goal in the fewest steps; the earliest on a tie.
-    Best,
-    /// The last episode.
-    Last,
     /// The first episode and every n-th after it: `every:50` keeps episodes 1, 51, 101, ...
     Every(NonZeroU32),
     /// Every episode, with the measurement of each lidar beam.
@@ -26,10 +22,10 @@ pub enum RecordMode {
 }
 
 impl RecordMode {
-    /// Returns true if this episode is written, even if its file may be deleted later.
+    /// Returns true if this episode is written.
     pub fn wants(self, episode: u32) -> bool {
         match self {
-            Self::All | Self::Best | Self::Last | Self::Beams => true,
+            Self::All | Self::Beams => true,
             Self::Every(n) => episode.saturating_sub(1).is_multiple_of(n.get()),
             Self::None => false,
         }
@@ -38,9 +34,7 @@ impl RecordMode {
 
 /// A text that is not a valid [`RecordMode`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "`{0}` is not a recording mode: expected all, best, last, every:N (N from 1), beams, or none"
-)]
+#[error("`{0}` is not a recording mode: expected all, every:N (N from 1), beams, or none")]
 pub struct RecordModeError(String);
 
 impl FromStr for RecordMode {
@@ -49,8 +43,6 @@ impl FromStr for RecordMode {
     fn from_str(text: &str) -> Result<Self, RecordModeError> {
         let mode = match text {
             "all" => Some(Self::All),
-            "best" => Some(Self::Best),
-            "last" => Some(Self::Last),
             "beams" => Some(Self::Beams),
             "none" => Some(Self::None),
             _ => text
@@ -66,8 +58,6 @@ impl fmt::Display for RecordMode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::All => f.write_str("all"),
-            Self::Best => f.write_str("best"),
-            Self::Last => f.write_str("last"),
             Self::Every(n) => write!(f, "every:{n}"),
             Self::Beams => f.write_str("beams"),
             Self::None => f.write_str("none"),
@@ -81,7 +71,7 @@ mod tests {
 
     #[test]
     fn a_mode_prints_as_it_was_read() {
-        for text in ["all", "best", "last", "every:50", "beams", "none"] {
+        for text in ["all", "every:50", "beams", "none"] {
             assert_eq!(text.parse::<RecordMode>().unwrap().to_string(), text);
         }
     }

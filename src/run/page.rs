@@ -28,7 +28,7 @@ impl RunFolder {
         let knowledge = self.knowledge()?;
         match has_every_episode(self.path(), plan.config.episodes) {
             true => page_of(self.path(), &plan, &knowledge),
-            false => page(&plan, RecordMode::All),
+            false => page(&plan),
         }
     }
 }
@@ -37,9 +37,9 @@ impl RunFolder {
 ///
 /// # Errors
 /// If the plan is invalid, or a temporary file cannot be written.
-pub fn page(plan: &Plan, mode: RecordMode) -> Result<String, Error> {
+pub fn page(plan: &Plan) -> Result<String, Error> {
     require_few_cells(plan)?;
-    let again = Again::of(Rerun::training(plan.clone()), mode, &mut ())?;
+    let again = Again::of(Rerun::training(plan.clone()), RecordMode::All, &mut ())?;
     page_of(again.folder.path(), plan, &again.knowledge)
 }
 
@@ -53,10 +53,10 @@ pub(super) fn page_of(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Resu
     player::page_of_run(&drive, &run, &episodes)
 }
 
-/// Records a drive of the learned policy, with lidar beams, in a temporary folder.
+/// Records a drive of the learned policy in a temporary folder.
 fn recorded_drive(plan: &Plan, knowledge: &Knowledge) -> Result<(TempDir, Recording), Error> {
     let folder = tempfile::tempdir().map_err(error::temporary)?;
-    let mode = (RecordMode::Beams, &(|| false) as &dyn Fn() -> bool);
+    let mode = (RecordMode::All, &(|| false) as &dyn Fn() -> bool);
     record_drives(plan, knowledge, 1, folder.path(), mode)?;
     let drive = Recording::open(&folder.path().join(RecordingKind::Episode(1).file_name()))?;
     Ok((folder, drive))

@@ -1,11 +1,13 @@
 //! Controls of `check`: what it must find in recordings that are sound but for one fault.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::copies::Parts;
 use crate::kit::desk::Desk;
-use crate::kit::trial::Trial;
+use crate::kit::trial::{Trial, maze};
 use mcap::WriteOptions;
+use serde_json::Value;
 use xcscr::record::layout;
 use xcscr::record::reader::{Message, Recording, TopicInfo};
 
@@ -18,13 +20,8 @@ fn episode() -> Parts {
         ..Trial::default()
     };
     let files = trial.record(desk.folder()).unwrap().files;
-    let mut parts = Parts::of(&Recording::open(&files[0]).unwrap());
-    let layout = layout::of_episode(&trial.maze()).into_bytes();
-    parts.attached.insert(LAYOUT.to_owned(), layout);
-    parts
+    Parts::of(&Recording::open(&files[0]).unwrap())
 }
-
-const LAYOUT: &str = "foxglove-layout.json";
 
 /// The faults that a copy has.
 fn faults(parts: &Parts) -> Vec<String> {
@@ -45,19 +42,58 @@ fn a_faithful_copy_is_sound() {
     assert_eq!(faults(&episode()), [""; 0]);
 }
 
+/// Adds everything that the panels of a layout show: topics, and fields of them.
+fn shown(value: &Value, paths: &mut BTreeSet<String>) {
+    match value {
+        Value::String(text) if text.starts_with('/') => drop(paths.insert(text.clone())),
+        Value::Array(list) => list.iter().for_each(|one| shown(one, paths)),
+        Value::Object(fields) => {
+            let names = fields.keys().filter(|name| name.starts_with('/'));
+            paths.extend(names.cloned());
+            fields.values().for_each(|one| shown(one, paths));
+        }
+        _ => {}
+    }
+}
+
+/// Returns the paths of a layout that a recording has not.
+fn missing(recording: &Recording, layout: &str) -> Vec<String> {
+    let layout: Value = serde_json::from_str(layout).unwrap();
+    let mut paths = BTreeSet::new();
+    shown(&layout["configById"], &mut paths);
+    assert!(paths.len() > 10, "{paths:?}");
+    let topics = recording.topics();
+    let is_known = |path: &String| {
+        let (topic, field) = path.split_once('.').unwrap_or((path, ""));
+        let topic = topics.iter().find(|one| one.name == topic);
+        let schema = |topic: &TopicInfo| -> Value {
+            serde_json::from_slice(&topic.schema_data).unwrap_or_default()
+        };
+        let field = field.split('[').next().unwrap();
+        topic
+            .is_some_and(|topic| field.is_empty() || schema(topic)["properties"][field].is_object())
+    };
+    paths.into_iter().filter(|path| !is_known(path)).collect()
+}
+
 #[test]
-fn a_layout_that_points_at_nothing_is_found() {
+fn layouts_show_only_topics_and_fields_that_recordings_have() {
+    let desk = Desk::new();
+    desk.train("run", "maze4 --episodes 2 --record beams");
+    let maze = maze("maze4");
+    let (episode, run) = (
+        desk.recording("run/ep-0001.mcap"),
+        desk.recording("run/run.mcap"),
+    );
+    let layouts = [layout::of_episode(&maze), layout::of_run(&maze)];
+    assert_eq!(missing(&episode, &layouts[0]), [""; 0]);
+    assert_eq!(missing(&run, &layouts[1]), [""; 0]);
     for (there, nowhere) in [("/rule.values", "/rule.wealth"), ("/scene/trail", "/trail")] {
-        let mut parts = episode();
-        let layout = String::from_utf8(parts.attached[LAYOUT].clone()).unwrap();
-        assert!(layout.contains(there), "{layout}");
-        let changed = layout.replace(there, nowhere).into_bytes();
-        parts.attached.insert(LAYOUT.to_owned(), changed);
-        let faults = faults(&parts);
-        let fault = format!("the layout shows {nowhere}, but there is no such");
+        let changed = layouts[0].replace(there, nowhere);
+        let missing = missing(&episode, &changed);
         assert!(
-            faults.iter().any(|found| found.starts_with(&fault)),
-            "{nowhere}: {faults:?}"
+            !missing.is_empty() && missing.iter().all(|one| one.starts_with(nowhere)),
+            "{missing:?}"
         );
     }
 }
@@ -87,32 +123,6 @@ fn time_that_runs_backwards_is_found() {
 }
 
 #[test]
-fn a_message_that_is_no_json_is_found() {
-    let mut parts = episode();
-    parts.messages_on("/step").next().unwrap().data.truncate(9);
-    has_only(&parts, "/step at ");
-}
-
-#[test]
-fn a_message_that_does_not_fit_its_schema_is_found_whatever_its_encoding() {
-    for (topic, data) in [
-        ("/scene/policy", &b"\xff\xff\xff"[..]),
-        ("/scene/policy", b""),
-        ("/tf", b"\x0a"),
-        ("/tf", b""),
-        ("/log", b""),
-        ("/step", b"{}"),
-        ("/step", br#"{"episode":"one"}"#),
-        ("/step", br#"{"colour":1}"#),
-        ("/episode", b"[1]"),
-    ] {
-        let mut parts = episode();
-        parts.messages_on(topic).next().unwrap().data = data.to_vec();
-        has_only(&parts, &format!("{topic} at "));
-    }
-}
-
-#[test]
 fn a_topic_that_belongs_to_the_robot_of_the_recording_must_be_there() {
     let sample = Recording::open(Path::new("recordings/sample-maze4.mcap")).unwrap();
     let mut parts = Parts::of(&sample);
@@ -125,7 +135,7 @@ fn a_topic_that_belongs_to_the_robot_of_the_recording_must_be_there() {
 }
 
 #[test]
-fn a_topic_with_another_schema_or_another_version_of_it_is_found() {
+fn a_topic_with_another_schema_is_found() {
     let with_step = |change: fn(&mut TopicInfo)| {
         let mut parts = episode();
         let mut topics = parts.topics.iter_mut();
@@ -134,9 +144,6 @@ fn a_topic_with_another_schema_or_another_version_of_it_is_found() {
     };
     let renamed = with_step(|topic| topic.schema = "other".to_owned());
     has_only(&renamed, "/step has the schema `other`, expected `");
-    // The same JSON with other bytes.
-    let changed = with_step(|topic| topic.schema_data.push(b' '));
-    has_only(&changed, "/step has another version of the schema");
 }
 
 #[test]
@@ -145,18 +152,6 @@ fn a_topic_without_a_message_is_found() {
         let mut parts = episode();
         parts.messages.retain(|message| message.topic() != topic);
         has_only(&parts, &format!("{topic} has no message"));
-    }
-}
-
-#[test]
-fn a_topic_that_no_recording_of_the_kind_has_is_found() {
-    for unknown in ["/foo", "/ended", "/a/step"] {
-        let mut parts = episode();
-        let step = parts.topics.iter().find(|topic| topic.name == "/step");
-        let mut topic = step.unwrap().clone();
-        topic.name = unknown.to_owned();
-        parts.topics.push(topic);
-        has_only(&parts, &format!("the topic {unknown} is unknown"));
     }
 }
 

@@ -50,13 +50,7 @@ fn kept(mode: &str) -> Vec<String> {
 fn each_mode_keeps_its_episodes() {
     assert_eq!(kept("all"), ["0001", "0002", "0003", "0004", "0005"]);
     assert_eq!(kept("every:2"), ["0001", "0003", "0005"]);
-    assert_eq!(kept("last"), ["0005"]);
     assert_eq!(kept("none"), Vec::<String>::new());
-}
-
-#[test]
-fn the_best_episode_is_the_first_of_the_shortest_that_reached_the_goal() {
-    assert_eq!(kept("best"), ["0002"]);
 }
 
 /// The recordings of a trial of four episodes in physics. The last one is that of the run.

@@ -212,11 +212,7 @@ fn a_file_in_which_everything_is_wrong_is_told_in_a_thousand_lines() {
     write_recording(&path, "/tf", 1 << 20, messages);
     let findings = record::check(&path).unwrap();
     assert!(findings.len() < 1_100, "{} findings", findings.len());
-    for words in [
-        "does not match its schema",
-        "comes after",
-        "more faults than these",
-    ] {
+    for words in ["comes after", "more faults than these"] {
         let told = findings.iter().any(|one| one.contains(words));
         assert!(told, "{words}");
     }
@@ -350,7 +346,7 @@ fn recordings_of_a_hall_without_landmarks_are_believed() {
     let world = format!(r#"{{"wrap": true, "moves": 8, "rows": {rows:?}}}"#);
     desk.write("w.json", world);
     let line = "train @w.json --arena grid --method xcs --episodes 60 --quiet --out @run \
-                --record last --set reward.step_threshold=1";
+                --record every:60 --set reward.step_threshold=1";
     ended(&within(&desk, ITSELF + (256 << 10), line), 0, line);
     let faults = record::check(&desk.path("run/run.mcap")).unwrap();
     assert!(faults.is_empty(), "{faults:?}");

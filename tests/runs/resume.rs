@@ -136,8 +136,8 @@ fn every_method_in_both_arenas_and_every_mode_of_recording_resume_to_the_same_by
         let arenas = ArenaKind::ALL.iter();
         arenas.map(move |&arena| (method, arena, "all", rounds(4, 40)))
     });
-    let modes = ["best", "last", "every:3", "none"]
-        .map(|mode| (Method::Xcscr, ArenaKind::Grid, mode, rounds(8, 80)));
+    let modes =
+        ["every:3", "none"].map(|mode| (Method::Xcscr, ArenaKind::Grid, mode, rounds(8, 80)));
     for (number, (method, arena, mode, times)) in methods.chain(modes).enumerate() {
         let mut dice = dice(number as u64);
         let stops = random_stops(episodes, times, &mut dice);

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
-use xcscr::record::RecordMode;
 use xcscr::record::player;
 use xcscr::record::reader::Recording;
 use xcscr::run::{self, RunFolder};
@@ -65,5 +64,5 @@ fn page_of_study(study: &StudyFolder, out: &mut Results) -> Result<String, Failu
         "trial {number}: {world}, {method}, seed {}",
         plan.config.seed
     )?;
-    Ok(run::page(&plan, RecordMode::Beams)?)
+    Ok(run::page(&plan)?)
 }

@@ -2,9 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::json::json_tree;
-
-use crate::record::topics::{caption, legend, size_m};
+use crate::record::topics::{caption, size_m};
 use crate::world::Maze;
 
 const EPISODE: &str = include_str!("episode.json");
@@ -86,17 +84,17 @@ fn name(panel: &mut Value, title: &str) {
 fn aim(camera: &mut Value, maze: &Maze) {
     let unit = maze.cell_size_m();
     let [wide, rows_m] = size_m(maze);
-    let high = rows_m + caption::height_m(maze) + legend::height_m(maze);
+    let high = rows_m + caption::height_m(maze);
     // Half the field of view is 22.5 degrees, and the maze fills nine tenths of it: K is the
     // tangent. The camera is tilted by 30 degrees, with cosine C and sine S. It looks at the point
-    // from which the legend at the southern edge and the caption appear equally far.
+    // from which the southern edge and the caption appear equally far.
     const K: f64 = 0.375;
     const C: f64 = 0.866;
     const S: f64 = 0.5;
     let distance = high * (C * C - K * K * S * S) / (2.0 * C * K);
     // A panel is at least 1.3 times as wide as high.
     let distance = distance.max(wide / (2.0 * 1.3 * K) + high * S * C / 2.0);
-    let middle = K * distance / (C + K * S) - legend::height_m(maze);
+    let middle = K * distance / (C + K * S);
     camera["distance"] = json!((distance * 1000.0).round() / 1000.0);
     camera["targetOffset"] = json!([wide / 2.0, (middle * 1000.0).round() / 1000.0, 0.0]);
     camera["near"] = json!(0.02 * unit);
@@ -138,65 +136,4 @@ fn value_paths(maze: &Maze, values: &str) -> Vec<Value> {
             })
         })
         .collect()
-}
-
-/// A topic or field of a recording that a layout shows.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(in crate::record) struct MessagePath {
-    /// The topic.
-    pub topic: String,
-    /// The field of its messages; `None` for whole messages.
-    pub field: Option<String>,
-}
-
-impl std::fmt::Display for MessagePath {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.topic)?;
-        self.field
-            .iter()
-            .try_for_each(|field| write!(f, ".{field}"))
-    }
-}
-
-/// Returns everything that the panels of a layout show; empty for an invalid layout.
-pub(in crate::record) fn paths(layout: &[u8]) -> Vec<MessagePath> {
-    let layout = json_tree(layout).unwrap_or_default();
-    let panels = layout["configById"].as_object();
-    let mut texts: Vec<&str> = Vec::new();
-    for (_, panel) in panels.into_iter().flatten() {
-        let topics = panel["topics"].as_object().into_iter().flatten();
-        texts.extend(topics.map(|(topic, _)| topic.as_str()));
-        let curves = panel["paths"].as_array().into_iter().flatten();
-        let curves = curves
-            .chain([&panel["xAxisPath"]])
-            .map(|curve| &curve["value"]);
-        let single = ["path", "topicPath", "topicToRender"].map(|key| &panel[key]);
-        texts.extend(curves.chain(single).filter_map(Value::as_str));
-    }
-    texts.into_iter().map(message_path).collect()
-}
-
-/// `/step.values[0]` is the field `values` of `/step`, and so is `/step{step==1}.values[0]`.
-fn message_path(text: &str) -> MessagePath {
-    let (topic, rest) = text.split_once('.').unwrap_or((text, ""));
-    let topic = topic.split('{').next().unwrap_or(topic);
-    let field = rest.split(['.', '[', '{', ':']).next();
-    MessagePath {
-        topic: topic.to_owned(),
-        field: field.filter(|name| !name.is_empty()).map(str::to_owned),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_path_has_a_topic_and_perhaps_a_field() {
-        let show = |text| message_path(text).to_string();
-        assert_eq!(show("/step.values[0]"), "/step.values");
-        assert_eq!(show("/step{step==1}.values[0]"), "/step.values");
-        assert_eq!(show("/curve.steps[:]"), "/curve.steps");
-        assert_eq!(show("/step"), "/step");
-    }
 }

@@ -14,7 +14,6 @@ use crate::picture::{NO_GOAL, SCALE, css};
 use crate::record::info::{self, RunKind};
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::percept::KINDS;
-use crate::record::topics::rays::BEAM;
 use crate::record::topics::{ESTIMATE, ROBOT, decimal, decoded, nanoseconds};
 use crate::record::{RobotShape, Topic};
 use crate::world::{Cell, Maze};
@@ -37,8 +36,8 @@ pub struct Data {
     robot_radius_m: f64,
     /// CSS colours of best actions: far from the goal, near it, and leading to no goal.
     arrow_colours: [String; 3],
-    /// CSS colours of cells perceived as free and as a wall, and of lidar beams.
-    percept_colours: [String; 3],
+    /// CSS colours of cells perceived as free and as a wall.
+    percept_colours: [String; 2],
     /// Time, x, y and heading in the map frame, in seconds, metres and radians.
     pub poses: Vec<[f64; 4]>,
     /// Time, x, y and heading of the estimated pose, relative to the robot.
@@ -132,7 +131,7 @@ impl Data {
                 .collect(),
             robot_radius_m: RobotShape::for_cell(maze.cell_size_m()).radius_m,
             arrow_colours: [SCALE[0], SCALE[2], NO_GOAL].map(css),
-            percept_colours: [KINDS[0], KINDS[1], BEAM].map(css),
+            percept_colours: [KINDS[0], KINDS[1]].map(css),
             curve: json!({ "episode": [], "steps": [] }),
             ..Self::default()
         }

@@ -6,7 +6,7 @@ const LAYERS = [
   ["values", "values"],
   ["policy", "policy"],
   ["trail", "path"],
-  ["percept", "percept and lidar"],
+  ["percept", "percept"],
   ["estimate", "estimate"],
 ];
 const FINAL_DRIVE = "The learned policy, exploration off";
@@ -17,7 +17,7 @@ const state = { t: 0, playing: false, speed: 1, shown: new Set(["policy", "trail
 const recording = withPoses(JSON.parse(byId("data").textContent));
 let data = recording;
 [COLOURS.far, COLOURS.near, COLOURS.never] = data.arrow_colours;
-[COLOURS.free, COLOURS.blocked, COLOURS.beam] = data.percept_colours;
+[COLOURS.free, COLOURS.blocked] = data.percept_colours;
 
 const { world } = data;
 const [width_m, height_m] = [world.width * world.cell_size_m, world.height * world.cell_size_m];
@@ -245,7 +245,7 @@ function begin() {
 function listLegend() {
   const legend = [["far", "best action, far from the goal"], ["near", "near it (between: green)"], ["never", "not on a way to the goal"], ["start", "start"], ["goal", "goal"], ["robot", "robot; its arrow is its front, it also drives backward"], ["trail", "path of this episode"], ["hit", "collision"]];
   if (data.scenes.percept.length) legend.push(["free", "perceived as free when it decided"], ["blocked", "perceived as a wall"]);
-  if (data.estimates.length) legend.push(["beam", "lidar beam, where recorded"], ["estimate", "estimated pose; dashed: 3 standard deviations, 10 times as large"]);
+  if (data.estimates.length) legend.push(["estimate", "estimated pose; dashed: 3 standard deviations, 10 times as large"]);
   byId("legend").replaceChildren(
     ...legend.map(([colour, text]) => {
       const [item, mark] = [document.createElement("li"), document.createElement("i")];

@@ -1,19 +1,16 @@
 //! Checks of recordings.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::reader::{Message, Recording};
+use super::reader::Recording;
 use crate::disk;
 use crate::error::Error;
 use crate::record::error;
 use crate::record::info::{RecordingKind, RunKind};
-use crate::record::json::json_tree;
-use crate::record::layout;
 use crate::record::mode::RecordMode;
 use crate::record::topics::Topic;
 use crate::trial::Config;
-use crate::world::Maze;
 
 /// The longest normal gap between messages with poses: each covers two seconds of the trajectory.
 const MAX_GAP_NS: u64 = 2_000_000_000;
@@ -46,7 +43,6 @@ impl Recording {
         check_facts(self, &mut findings);
         check_topics(self, &mut findings);
         check_messages(self, &mut findings);
-        check_layout(self, &mut findings);
         findings
     }
 }
@@ -73,16 +69,6 @@ fn check_facts(recording: &Recording, findings: &mut Vec<String>) {
     findings.extend(recording.run_kind().err().map(|error| error.to_string()));
 }
 
-fn check_topics(recording: &Recording, findings: &mut Vec<String>) {
-    // A recording without a kind is checked as an episode.
-    let kind = recording.extent().unwrap_or(RecordingKind::Episode(1));
-    let known = check_known(kind, recording, findings);
-    let unknown = recording.topics().into_iter().map(|topic| topic.name);
-    let unknown = unknown.filter(|name| !known.contains(&name.as_str()));
-    let unknown = unknown.map(|name| format!("the topic {name} is unknown in such a recording"));
-    findings.extend(unknown.take(MAX_LISTED));
-}
-
 /// Returns true if an external agent finished no episode. All other recordings have an episode.
 fn has_no_episode(recording: &Recording) -> bool {
     let is_external = matches!(recording.run_kind(), Ok(RunKind::External));
@@ -100,12 +86,10 @@ fn sensing(recording: &Recording) -> [bool; 2] {
     [config.is_some_and(|config| config.senses()), beams]
 }
 
-/// Checks the topics of a recording. Returns the names of those that it may have.
-fn check_known(
-    kind: RecordingKind,
-    recording: &Recording,
-    findings: &mut Vec<String>,
-) -> Vec<&'static str> {
+/// Checks that the recording has the topics of its kind, and messages on them. A recording without a
+/// kind is checked as an episode.
+fn check_topics(recording: &Recording, findings: &mut Vec<String>) {
+    let kind = recording.extent().unwrap_or(RecordingKind::Episode(1));
     let (present, is_empty) = (recording.topics(), has_no_episode(recording));
     let expected = if kind == RecordingKind::Run {
         Topic::of_run()
@@ -113,19 +97,15 @@ fn check_known(
         let [senses, beams] = sensing(recording);
         Topic::of_episode(senses, beams)
     };
-    let known = expected.iter().map(|topic| topic.name()).collect();
     for topic in expected {
         let name = topic.name();
-        let schema = topic.schema(kind);
+        let schema = topic.schema();
         let found = present.iter().find(|found| found.name == name);
         let what = match found {
             None => format!("the topic {name} is missing"),
             Some(found) if found.schema != schema.name => {
                 let (found, expected) = (&found.schema, &schema.name);
                 format!("{name} has the schema `{found}`, expected `{expected}`")
-            }
-            Some(found) if found.schema_data != *schema.data => {
-                format!("{name} has another version of the schema `{}`", schema.name)
             }
             Some(found) if found.messages == 0 && topic.is_never_silent() && !is_empty => {
                 format!("{name} has no message")
@@ -134,11 +114,10 @@ fn check_known(
         };
         findings.push(what);
     }
-    known
 }
 
 fn check_messages(recording: &Recording, findings: &mut Vec<String>) {
-    let (mut before_ns, mut posed_ns) = (0, BTreeMap::new());
+    let (mut before_ns, mut posed_ns) = (0, None);
     let mut counts: BTreeMap<String, u64> = BTreeMap::new();
     for message in recording.messages() {
         let message = match message {
@@ -158,30 +137,16 @@ fn check_messages(recording: &Recording, findings: &mut Vec<String>) {
             findings.push(what);
         }
         before_ns = now_ns;
-        if let Some(fault) = fault(&message) {
-            let what = format!("{topic} at {now_ns} ns {fault}");
-            findings.push(what);
-        }
         if topic == Topic::Transforms.name() {
-            let before = posed_ns.insert(topic.to_owned(), now_ns);
-            if let Some(before) = before.filter(|&before| now_ns > before + MAX_GAP_NS) {
+            let before = posed_ns.replace(now_ns);
+            let is_gap = |before: &u64| now_ns.saturating_sub(*before) > MAX_GAP_NS;
+            if let Some(before) = before.filter(is_gap) {
                 let what = format!("no pose on {topic} from {before} ns to {now_ns} ns");
                 findings.push(what);
             }
         }
     }
     check_index(recording, &counts, findings);
-}
-
-/// Returns the first fault of a message against its schema.
-fn fault(message: &Message) -> Option<String> {
-    match Topic::named(message.topic()) {
-        Some(topic) => topic.fault(&message.data),
-        None if message.encoding() == "json" && message.json().is_none() => {
-            Some("is not JSON".to_owned())
-        }
-        None => None,
-    }
 }
 
 /// Checks that the index counts the messages of the file.
@@ -198,48 +163,4 @@ fn check_index(recording: &Recording, counts: &BTreeMap<String, u64>, findings: 
         let what = "no chunk is indexed, so viewers find no messages";
         findings.push(what.to_owned());
     }
-}
-
-fn check_layout(recording: &Recording, findings: &mut Vec<String>) {
-    let Some(layout) = layout_of(recording) else {
-        return;
-    };
-    let fields: BTreeMap<String, BTreeSet<String>> = recording
-        .topics()
-        .into_iter()
-        .map(|topic| (topic.name, json_fields(&topic.schema_data)))
-        .collect();
-    for path in layout::paths(&layout) {
-        let is_of_senses = Topic::named(&path.topic).is_some_and(Topic::is_of_senses);
-        let what = match fields.get(&path.topic) {
-            None if is_of_senses => continue,
-            None => format!("the layout shows {path}, but there is no such topic"),
-            Some(known) if path.field.as_ref().is_some_and(|f| !known.contains(f)) => {
-                format!("the layout shows {path}, but there is no such field")
-            }
-            Some(_) => continue,
-        };
-        findings.push(what);
-    }
-}
-
-/// Returns the layout for a recording, if its world can be read.
-fn layout_of(recording: &Recording) -> Option<Vec<u8>> {
-    if let Some(attached) = recording.attachment(LAYOUT) {
-        return Some(attached.to_vec());
-    }
-    let world = recording.attachment("world.json")?;
-    let maze = Maze::from_json(world, "world.json").ok()?;
-    Some(layout::of_episode(&maze).into_bytes())
-}
-
-/// Returns the fields of a JSON schema; empty for other schemas.
-fn json_fields(schema: &[u8]) -> BTreeSet<String> {
-    let schema = json_tree(schema).unwrap_or_default();
-    let properties = schema["properties"].as_object();
-    properties
-        .into_iter()
-        .flatten()
-        .map(|(name, _)| name.clone())
-        .collect()
 }

@@ -11,7 +11,7 @@ use super::decimal;
 pub(in crate::record) struct Fields(pub Vec<(&'static str, Value)>);
 
 /// Creates the fields of a message from the file of its schema, names and values. A name that the
-/// schema lacks is a compile error. `recording check` compares types and required fields.
+/// schema lacks is a compile error.
 macro_rules! fields {
     ($schema:literal: $($name:ident: $value:expr),+ $(,)?) => {{
         const SCHEMA: &str = include_str!($schema);

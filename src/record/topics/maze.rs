@@ -3,7 +3,6 @@
 use foxglove::messages::{CubePrimitive, LinePrimitive, SceneEntity, SceneUpdate, TextPrimitive};
 use nalgebra::Point2;
 
-use super::legend;
 use super::scene::{
     WORLD, color, cube, entity, lines, place, point, size_m, update, vector, words,
 };
@@ -41,8 +40,7 @@ pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
             .collect();
     }
     walls.texts = numbers(maze);
-    let legend = legend::of_policy(maze, time_ns);
-    update(vec![ground, walls, tiles(maze, time_ns), legend])
+    update(vec![ground, walls, tiles(maze, time_ns)])
 }
 
 /// Creates a slab whose top is at height 0.

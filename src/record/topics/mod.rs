@@ -6,16 +6,13 @@
 pub(super) mod caption;
 pub(super) mod contact;
 pub(super) mod curve;
-mod descriptor;
 pub(super) mod episode;
 pub(super) mod estimate;
 mod fields;
-pub(super) mod legend;
 pub(super) mod log;
 pub(super) mod maze;
 pub(super) mod percept;
 pub(super) mod policy;
-pub(super) mod rays;
 pub(super) mod robot;
 pub(super) mod rule;
 pub(super) mod scan;
@@ -25,11 +22,11 @@ pub(super) mod step;
 pub(super) mod trail;
 pub(super) mod transforms;
 pub(super) mod values;
-mod well_known;
+mod decoded;
 
+pub(super) use decoded::decoded;
 pub(super) use fields::Fields;
 pub(super) use scene::{ESTIMATE, ROBOT, WORLD, nanoseconds, size_m};
-pub(super) use well_known::{WellKnown, decoded};
 
 use std::sync::LazyLock;
 
@@ -37,8 +34,6 @@ use foxglove::messages::{FrameTransforms, LaserScan, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
 use serde_json::Value;
 use strum::VariantArray;
-
-use super::info::RecordingKind;
 
 /// A topic of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, VariantArray)]
@@ -74,8 +69,6 @@ pub enum Topic {
     /// `/scene/percept`: the cell states that the robot perceives, and the estimated pose if the
     /// robot estimates its pose, at each decision.
     Percept,
-    /// `/scene/values`: the cell values as columns, after each learned episode.
-    Landscape,
     /// `/estimate`: the pose estimate and its error, if the robot estimates its pose.
     Estimate,
     /// `/scan`: the measurements of the lidar beams, if they are recorded.
@@ -148,7 +141,6 @@ impl Topic {
             Self::Rule => ("/rule", Scope::Episode, own!("xcscr.Rule", "rule.json")),
             Self::RuleText => ("/scene/rule", Scope::Episode, Message::Scene),
             Self::Percept => ("/scene/percept", Scope::Episode, Message::Scene),
-            Self::Landscape => ("/scene/values", Scope::Both, Message::Scene),
             Self::Estimate => (
                 "/estimate",
                 Scope::Sensed,
@@ -191,12 +183,6 @@ impl Topic {
         self.entry().2
     }
 
-    /// Returns true if only robots that estimate their pose have the topic. Layouts show it
-    /// nevertheless: viewers omit topics that a recording lacks.
-    pub fn is_of_senses(self) -> bool {
-        matches!(self.entry().1, Scope::Sensed | Scope::Beams)
-    }
-
     /// Returns true if every complete recording with this topic has a message on it.
     pub(super) fn is_never_silent(self) -> bool {
         self.entry().1 != Scope::Beams
@@ -207,37 +193,31 @@ impl Topic {
         all.filter(|topic| has(topic.entry().1)).collect()
     }
 
-    /// Returns the schema of the topic's messages in recordings of this kind. Schemas of our own
-    /// messages explain each field in the recording of the run, and name the required ones. In
-    /// the many episode recordings they only give the types.
-    pub(super) fn schema(self, of: RecordingKind) -> &'static Schema {
-        static SCHEMAS: LazyLock<[Vec<Schema>; 2]> = LazyLock::new(|| {
-            [false, true].map(|explained| {
-                let all = Topic::ALL.iter();
-                all.map(|topic| topic.defined(explained)).collect()
-            })
+    /// Returns the schema of the topic's messages.
+    pub(super) fn schema(self) -> &'static Schema {
+        static SCHEMAS: LazyLock<Vec<Schema>> = LazyLock::new(|| {
+            let all = Topic::ALL.iter();
+            all.map(|topic| topic.defined()).collect()
         });
-        let explained = of.episode().is_none();
-        &SCHEMAS[usize::from(explained)][self as usize]
+        &SCHEMAS[self as usize]
     }
 
-    fn defined(self, explained: bool) -> Schema {
+    fn defined(self) -> Schema {
         let well_known = match self.message() {
             Message::Frames => FrameTransforms::get_schema(),
             Message::Scene => SceneUpdate::get_schema(),
             Message::Scan => LaserScan::get_schema(),
             Message::Log => Log::get_schema(),
-            Message::Own(name, file) => return schema::schema(name, file, explained),
+            Message::Own(name, file) => return schema::schema(name, file),
         };
-        descriptor::short(&well_known.expect("well-known messages have a schema"))
+        well_known.expect("well-known messages have a schema")
     }
 
     /// Returns the tree of the topic's schema; null for schemas other than JSON.
     fn tree(self) -> &'static Value {
         static TREES: LazyLock<Vec<Value>> = LazyLock::new(|| {
             let all = Topic::ALL.iter();
-            all.map(|topic| schema::tree(topic.schema(RecordingKind::Run)))
-                .collect()
+            all.map(|topic| schema::tree(topic.schema())).collect()
         });
         &TREES[self as usize]
     }
@@ -248,23 +228,9 @@ impl Topic {
         numbers.iter().find(|one| one["title"] == name)?["const"].as_u64()
     }
 
-    /// Returns the first fault of a message against the topic's schema.
-    pub(super) fn fault(self, data: &[u8]) -> Option<String> {
-        if let Message::Own(..) = self.message() {
-            return schema::fault(self.tree(), data);
-        }
-        match WellKnown::decode(self, data) {
-            Err(fault) => Some(format!("does not match its schema: {fault}")),
-            Ok(message) => {
-                let is_empty = message.is_some_and(|mut message| message.times().is_empty());
-                is_empty.then(|| "is empty".to_owned())
-            }
-        }
-    }
-
     /// Returns the encoding of the topic's messages: `json` or `protobuf`.
     pub(super) fn message_encoding(self) -> &'static str {
-        match self.schema(RecordingKind::Run).encoding.as_str() {
+        match self.schema().encoding.as_str() {
             "jsonschema" => "json",
             _ => "protobuf",
         }

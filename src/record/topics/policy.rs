@@ -1,15 +1,13 @@
 //! `/scene/policy`: the best actions of each cell, coloured by the distance to the goal along the
 //! policy. The colour only gets darker along a path to the goal.
-//!
-//! `/scene/values`: the ranks of the cells' values as columns, a landscape that viewers can show.
 
 use std::collections::BTreeMap;
 
-use foxglove::messages::{Color, CubePrimitive, Point3, SceneUpdate};
+use foxglove::messages::{Color, Point3, SceneUpdate};
 use nalgebra::{Point2, Vector2};
 
 use super::rounded;
-use super::scene::{WORLD, color, cube, entity, mixed, place, point, quads, update, vector};
+use super::scene::{WORLD, color, entity, mixed, place, point, quads, update};
 use crate::episode::PolicyMap;
 use crate::picture::{NO_GOAL, SCALE};
 use crate::world::{Cell, Direction, Maze};
@@ -25,8 +23,6 @@ const PARTS: f64 = 32.0;
 pub(in crate::record) const ARROW_CORNERS: usize = 4;
 /// The height of the paint above the floor, in cells.
 const PAINT: f64 = 0.02;
-/// The maximum height of a column and its width, in cells.
-const COLUMN: [f64; 2] = [1.2, 0.6875];
 
 /// A cell with arrows, their shade, and its best actions as bits.
 pub(in crate::record) type Mark = (Cell, u8, u8);
@@ -60,35 +56,6 @@ pub(in crate::record) fn scene(marks: &[Mark], maze: &Maze, time_ns: u64) -> Sce
     });
     policy.triangles = arrows.collect();
     update(vec![policy])
-}
-
-/// Creates a column for each cell with a known value. Its height is the rank of the value.
-pub(in crate::record) fn columns(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<CubePrimitive> {
-    let unit = maze.cell_size_m();
-    let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
-    let columns = ranked.filter_map(|((cell, _), rank)| {
-        let (at, high) = (maze.centre_in_grid(*cell), height(rank?) * unit);
-        let size = vector(COLUMN[1] * unit, COLUMN[1] * unit, high);
-        Some(cube(
-            place(at.x, at.y, high / 2.0),
-            size,
-            colour(shade(rank), 0.85),
-        ))
-    });
-    columns.collect()
-}
-
-/// Returns the height of a column of this rank, in cells, rounded to sixteenths, which take few
-/// bytes.
-fn height(rank: f64) -> f64 {
-    (16.0 * COLUMN[0] * (0.05 + rank)).round() / 16.0
-}
-
-/// Creates the scene of these columns.
-pub(in crate::record) fn landscape(columns: &[CubePrimitive], time_ns: u64) -> SceneUpdate {
-    let mut landscape = entity("landscape", WORLD, time_ns);
-    landscape.cubes = columns.to_vec();
-    update(vec![landscape])
 }
 
 /// Returns the corners of an arrow from the middle of a cell to its border.

@@ -13,13 +13,8 @@ const DOME: u32 = 0x2b303b;
 const TYRE: u32 = 0x15181e;
 const NOSE: u32 = 0xffffff;
 
-/// Creates a disc as wide as the robot, two wheels, a dome and an arrow that points ahead, and the
-/// legend of the overlays around the robot.
-pub(in crate::record) fn scene(
-    robot: &RobotShape,
-    legend: SceneEntity,
-    time_ns: u64,
-) -> SceneUpdate {
+/// Creates a disc as wide as the robot, two wheels, a dome and an arrow that points ahead.
+pub(in crate::record) fn scene(robot: &RobotShape, time_ns: u64) -> SceneUpdate {
     let (r, axle) = (robot.radius_m, robot.wheel_radius_m());
     let deck = 0.4 * axle + 0.25 * r;
     let mut body: SceneEntity = entity("body", ROBOT, time_ns);
@@ -34,7 +29,7 @@ pub(in crate::record) fn scene(
         ahead([0.1 * r, 0.5 * r], high, [0.16 * r, 0.16 * r]),
         ahead([0.5 * r, 0.95 * r], high, [0.45 * r, 0.0]),
     ]);
-    update(vec![body, legend])
+    update(vec![body])
 }
 
 /// Creates a part of the arrow that points ahead: its ends, its height, and its width at both ends.

@@ -14,8 +14,7 @@ use crate::episode::PolicyMap;
 use crate::world::{Cell, Maze};
 
 /// Red below 0, blue above. The share that is mixed into the floor's colour shows the rank among
-/// all cells, so that cells far from the goal differ, too. Transparent colours would be drawn over
-/// the columns of the landscape.
+/// all cells, so that cells far from the goal differ, too.
 const BAD: u32 = 0xf06a70;
 const GOOD: u32 = 0x5aa9ff;
 /// The shares of the least and of the greatest rank.

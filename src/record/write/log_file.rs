@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, McapResult};
 
-use super::sink::{self, Packing, Sink};
+use super::sink::{self, Sink};
 use crate::disk;
 use crate::error::Error;
 use crate::record::error;
@@ -36,8 +36,8 @@ pub struct LogFile<W: Write> {
 
 impl<W: Write> LogFile<W> {
     /// Begins a file. The topics must be declared before the first message.
-    pub fn new(sink: W, packing: Packing) -> McapResult<Self> {
-        let writer = sink::begin(sink, packing)?;
+    pub fn new(sink: W) -> McapResult<Self> {
+        let writer = sink::begin(sink)?;
         Ok(Self {
             writer,
             channels: [None; Topic::ALL.len()],
@@ -54,10 +54,10 @@ impl<W: Write> LogFile<W> {
         self.attach("config.json", time_ns, &info.config_json)
     }
 
-    /// Declares the topics of this kind of recording, so that they exist even without messages.
-    pub fn declare(&mut self, of: RecordingKind, topics: &[Topic]) -> McapResult<()> {
+    /// Declares the topics, so that they exist even without messages.
+    pub fn declare(&mut self, topics: &[Topic]) -> McapResult<()> {
         for &topic in topics {
-            let schema = topic.schema(of);
+            let schema = topic.schema();
             let id = self
                 .writer
                 .add_schema(&schema.name, &schema.encoding, &schema.data)?;
@@ -131,12 +131,7 @@ pub struct OpenFile {
 
 impl OpenFile {
     /// Creates `folder/name.extension` and replaces an older file.
-    pub fn create(
-        folder: &Path,
-        name: &str,
-        extension: &str,
-        packing: Packing,
-    ) -> Result<Self, Error> {
+    pub fn create(folder: &Path, name: &str, extension: &str) -> Result<Self, Error> {
         let path = folder.join(name);
         let part = folder.join(format!("{name}.{extension}"));
         let created = disk::create(&part).and_then(|file| Ok((file.try_clone()?, file)));
@@ -145,7 +140,7 @@ impl OpenFile {
             io::ErrorKind::NotFound => error::write(&part)(cause),
             _ => disk::cannot_create(&part)(cause),
         })?;
-        let log = LogFile::new(BufWriter::with_capacity(64 * 1024, file), packing);
+        let log = LogFile::new(BufWriter::with_capacity(64 * 1024, file));
         Ok(Self {
             log: log.map_err(error::write(&part))?,
             disk,
@@ -200,13 +195,6 @@ impl OpenFile {
         let bytes = saved.map_err(error::write(&part))?;
         Ok((path, bytes))
     }
-
-    /// Deletes the unfinished file.
-    pub fn discard(self) -> Result<(), Error> {
-        let Self { log, part, .. } = self;
-        drop(log);
-        fs::remove_file(&part).map_err(error::write(&part))
-    }
 }
 
 #[cfg(test)]
@@ -235,9 +223,9 @@ mod tests {
     }
 
     fn write_to(sink: impl Write) -> McapResult<()> {
-        let mut log = LogFile::new(sink, Packing::Small)?;
+        let mut log = LogFile::new(sink)?;
         log.attach("world.json", 0, "{}")?;
-        log.declare(RecordingKind::Run, Topic::ALL)?;
+        log.declare(Topic::ALL)?;
         for time_ns in 0..50 {
             log.message(Topic::Step, time_ns, b"{}")?;
         }
@@ -259,8 +247,8 @@ mod tests {
     #[test]
     fn a_message_on_a_topic_that_the_file_lacks_is_left_out() {
         let mut bytes = Vec::new();
-        let mut log = LogFile::new(&mut bytes, Packing::Small).unwrap();
-        log.declare(RecordingKind::Run, &[Topic::Log]).unwrap();
+        let mut log = LogFile::new(&mut bytes).unwrap();
+        log.declare(&[Topic::Log]).unwrap();
         log.message(Topic::Step, 0, b"{}").unwrap();
         log.finish().unwrap();
         let summary = mcap::Summary::read(&bytes).unwrap().unwrap();

@@ -1,5 +1,4 @@
-//! Copies of an unfinished `run.mcap`, either to continue it with the same bytes, or to pack it
-//! into fewer bytes when it is complete.
+//! Copies of an unfinished `run.mcap`, to continue it with the same bytes.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,22 +14,8 @@ use crate::record::error;
 use crate::record::read::records::Records;
 use crate::record::topics::Topic;
 
-/// When the copy closes a chunk.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Chunks {
-    /// At the same positions as the source.
-    AsBefore,
-    /// When a chunk is full.
-    Full,
-}
-
 /// Copies the first `messages` messages of `source` to `file` and verifies the checksums.
-pub fn copy(
-    source: &Path,
-    messages: u64,
-    chunks: Chunks,
-    file: &mut OpenFile,
-) -> Result<(), Error> {
+pub fn copy(source: &Path, messages: u64, file: &mut OpenFile) -> Result<(), Error> {
     let unreadable = disk::cannot_read(source);
     let fault = |cause| match cause {
         McapError::Io(cause) => unreadable(cause),
@@ -59,7 +44,7 @@ pub fn copy(
                 left = left.saturating_sub(1);
             }
             // Message indexes follow a chunk.
-            Record::MessageIndex(_) if chunks == Chunks::AsBefore => {
+            Record::MessageIndex(_) => {
                 file.with(|log| log.flush())?;
             }
             _ => {}

@@ -1,22 +1,22 @@
 //! Creates, keeps and deletes the files of a recording.
 
 use std::fs;
+use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use mcap::McapResult;
 use serde::{Deserialize, Serialize};
 
 use super::event_logger::EventLogger;
-use super::log_file::{Facts, OpenFile};
+use super::log_file::{Facts, LogFile, OpenFile};
 use super::outbox::Outbox;
-use super::rebuild::{self, Chunks};
-use super::sink::Packing;
+use super::rebuild;
 use crate::agent::Agent;
 use crate::arena::View;
 use crate::disk;
-use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
+use crate::episode::{Episode, Learned, Observer, PolicyMap, Step};
 use crate::error::Error;
-use crate::record::error;
 use crate::record::info::{RecordingKind, RunInfo};
 use crate::record::layout;
 use crate::record::mode::RecordMode;
@@ -36,8 +36,7 @@ use crate::world::Maze;
 /// would be a tenth of an episode's file, where no viewer looks for it.
 ///
 /// The rules take some hundred kilobytes, which MCAP does not compress. The final rules are
-/// attached to `run.mcap`, and the rules after the episode to the one that [`RecordMode::Best`]
-/// keeps. The rules of other episodes are obtained by repeating the run.
+/// attached to `run.mcap`. The rules of single episodes are obtained by repeating the run.
 pub struct Recorder {
     folder: PathBuf,
     info: RunInfo,
@@ -61,8 +60,6 @@ pub struct RecorderMemory {
     messages: u64,
     /// The episodes whose files are kept, with their sizes in bytes.
     kept: Vec<(u32, u64)>,
-    /// The number of steps of the best episode so far.
-    best: Option<u32>,
     clock_ns: u64,
     event_logger: (Curve, bool),
 }
@@ -101,7 +98,7 @@ impl Recorder {
         let mut recorder = Self::new(folder, maze, info, RecorderMemory::new(mode));
         if mode != RecordMode::None {
             recorder.lay_out()?;
-            recorder.outbox.run = Some(recorder.open_run("part", Packing::Quick)?);
+            recorder.outbox.run = Some(recorder.open_run("part")?);
         }
         Ok(recorder)
     }
@@ -141,8 +138,8 @@ impl Recorder {
         let opened = disk::open(&source).map(drop);
         opened.map_err(disk::cannot_read(&source))?;
         // Write a separate file, so that nothing is lost if this is stopped, too.
-        let mut run = self.open_run("again", Packing::Quick)?;
-        rebuild::copy(&source, messages, Chunks::AsBefore, &mut run)?;
+        let mut run = self.open_run("again")?;
+        rebuild::copy(&source, messages, &mut run)?;
         run.become_part()?;
         Ok(run)
     }
@@ -205,8 +202,9 @@ impl Recorder {
         let mut files: Vec<_> = kept
             .map(|&(episode, bytes)| (self.path(RecordingKind::Episode(episode)), bytes))
             .collect();
-        if let Some(run) = self.outbox.run.take() {
-            files.push(self.pack(run, &rules_json(method))?);
+        if let Some(mut run) = self.outbox.run.take() {
+            run.with(|log| self.attach_results(log, &rules_json(method)))?;
+            files.push(run.finish()?);
         }
         Ok(RecordSummary {
             bytes: files.iter().map(|(_, bytes)| bytes).sum(),
@@ -214,20 +212,13 @@ impl Recorder {
         })
     }
 
-    /// Finishes `run.mcap` in fewer bytes. While the file grew, each episode closed a chunk to be
-    /// safe. In the complete file, similar episodes share a chunk.
-    fn pack(&self, mut run: OpenFile, rules: &str) -> Result<(PathBuf, u64), Error> {
-        run.with(|log| log.flush())?;
-        let part = disk::part(&self.path(RecordingKind::Run));
-        let mut packed = self.open_run("again", Packing::Small)?;
-        rebuild::copy(&part, run.messages(), Chunks::Full, &mut packed)?;
-        packed.with(|log| log.attach("rules.json", self.memory.clock_ns, rules))?;
-        if let Some((name, text)) = &self.attached {
-            packed.with(|log| log.attach(name, self.memory.clock_ns, text))?;
+    /// Attaches the final rules, and the additional text.
+    fn attach_results<W: Write>(&self, log: &mut LogFile<W>, rules: &str) -> McapResult<()> {
+        log.attach("rules.json", self.memory.clock_ns, rules)?;
+        match &self.attached {
+            Some((name, text)) => log.attach(name, self.memory.clock_ns, text),
+            None => Ok(()),
         }
-        let finished = packed.finish()?;
-        run.discard()?;
-        Ok(finished)
     }
 
     fn path(&self, kind: RecordingKind) -> PathBuf {
@@ -245,9 +236,9 @@ impl Recorder {
         Ok(())
     }
 
-    fn open_run(&self, extension: &str, packing: Packing) -> Result<OpenFile, Error> {
+    fn open_run(&self, extension: &str) -> Result<OpenFile, Error> {
         let name = RecordingKind::Run.file_name();
-        let file = OpenFile::create(&self.folder, &name, extension, packing)?;
+        let file = OpenFile::create(&self.folder, &name, extension)?;
         self.introduce(file, RecordingKind::Run, &Topic::of_run())
     }
 
@@ -270,7 +261,7 @@ impl Recorder {
                 let [_, layout] = &self.layouts;
                 log.attach("foxglove-layout.json", self.memory.clock_ns, layout)?;
             }
-            log.declare(kind, topics)
+            log.declare(topics)
         })?;
         Ok(file)
     }
@@ -281,7 +272,7 @@ impl Recorder {
             let kind = RecordingKind::Episode(episode);
             let beams = self.memory.mode == RecordMode::Beams;
             let name = kind.file_name();
-            let file = OpenFile::create(&self.folder, &name, "part", Packing::Small)?;
+            let file = OpenFile::create(&self.folder, &name, "part")?;
             let topics = Topic::of_episode(view.sensed.is_some(), beams);
             self.outbox.episode = Some(self.introduce(file, kind, &topics)?);
         }
@@ -295,41 +286,9 @@ impl Recorder {
         if let Some(run) = &mut self.outbox.run {
             run.with(|log| log.flush())?;
         }
-        match self.outbox.episode.take() {
-            Some(file) => self.keep(file, episode, learned.method),
-            None => Ok(()),
-        }
-    }
-
-    /// Finishes or deletes an episode's file, and deletes the file that it replaces.
-    fn keep(
-        &mut self,
-        mut file: OpenFile,
-        episode: &Episode,
-        method: &dyn Agent,
-    ) -> Result<(), Error> {
-        if self.memory.mode == RecordMode::Best {
-            let is_best = self.memory.best.is_none_or(|best| episode.steps < best);
-            if episode.ending != Ending::Goal || !is_best {
-                return file.discard();
-            }
-            self.memory.best = Some(episode.steps);
-            let rules = rules_json(method);
-            file.with(|log| log.attach("rules.json", self.memory.clock_ns, &rules))?;
-        }
-        let (_, bytes) = file.finish()?;
-        if matches!(self.memory.mode, RecordMode::Best | RecordMode::Last) {
-            self.drop_kept()?;
-        }
-        self.memory.kept.push((episode.episode, bytes));
-        Ok(())
-    }
-
-    fn drop_kept(&mut self) -> Result<(), Error> {
-        for (episode, _) in std::mem::take(&mut self.memory.kept) {
-            let path = self.path(RecordingKind::Episode(episode));
-            // The file is already gone when this episode is repeated.
-            disk::remove(&path).map_err(|cause| error::unwritten(&path, cause))?;
+        if let Some(file) = self.outbox.episode.take() {
+            let (_, bytes) = file.finish()?;
+            self.memory.kept.push((episode.episode, bytes));
         }
         Ok(())
     }

@@ -10,26 +10,10 @@ use crate::disk;
 
 /// Uncompressed size at which a chunk is closed, in bytes.
 const CHUNK_BYTES: u64 = 512 * 1024;
+/// The level of compression: as high as is worthwhile.
+const LEVEL: u32 = 8;
 /// The library name in the header.
 const LIBRARY: &str = concat!("xcscr/", env!("CARGO_PKG_VERSION"));
-
-/// The effort to produce small files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Packing {
-    /// Low: the file will be written again when it is complete.
-    Quick,
-    /// As high as is worthwhile.
-    Small,
-}
-
-impl Packing {
-    fn level(self) -> u32 {
-        match self {
-            Self::Quick => 1,
-            Self::Small => 8,
-        }
-    }
-}
 
 /// Returns true if the file is a recording written by any version of this program.
 ///
@@ -47,12 +31,12 @@ pub fn is_ours(path: &Path) -> io::Result<bool> {
 pub type Sink<W> = Writer<NoSeek<W>>;
 
 /// Begins a stream.
-pub fn begin<W: Write>(out: W, packing: Packing) -> McapResult<Sink<W>> {
+pub fn begin<W: Write>(out: W) -> McapResult<Sink<W>> {
     let options = WriteOptions::new()
         .library(LIBRARY)
         .chunk_size(Some(CHUNK_BYTES))
         .compression(Some(Compression::Zstd))
-        .compression_level(packing.level())
+        .compression_level(LEVEL)
         // Compression threads would change the bytes.
         .compression_threads(0)
         .emit_summary_offsets(false)

@@ -2,7 +2,7 @@
 
 mod step;
 
-use foxglove::messages::{CubePrimitive, SceneEntity};
+use foxglove::messages::SceneEntity;
 
 use super::outbox::{For, Outbox};
 use super::trajectory::Trajectory;
@@ -16,7 +16,7 @@ use crate::record::topics::curve::Curve;
 use crate::record::topics::episode::{self, Outlook};
 use crate::record::topics::trail::Trail;
 use crate::record::topics::transforms::Transforms;
-use crate::record::topics::{Topic, contact, legend, log, maze, policy, robot, values};
+use crate::record::topics::{Topic, contact, log, maze, policy, robot, values};
 use crate::sensor::Sensor;
 use crate::trial::{Judge, steps_to_goal};
 use crate::world::{Cell, Maze};
@@ -63,7 +63,6 @@ struct Shown {
     /// The marks that determine how the arrows look.
     marks: Option<Vec<policy::Mark>>,
     floor: Option<values::Floor>,
-    columns: Option<Vec<CubePrimitive>>,
 }
 
 /// The last shown state in the episode's file and in the run's file.
@@ -88,7 +87,6 @@ impl Shown {
         Self {
             marks: Some(policy::marks(Some(policy), maze)),
             floor: Some(values::Floor::of(Some(policy), maze)),
-            columns: Some(policy::columns(Some(policy), maze)),
         }
     }
 }
@@ -164,7 +162,6 @@ impl EventLogger {
         self.show_maze_and_robot(out, view, time_ns)?;
         self.shown.episode = Shown::default();
         self.show_learned(out, For::Episode, view.maze, time_ns)?;
-        self.show_landscape(out, For::Episode, view.maze, time_ns)?;
         self.show_trail(out, For::Episode, time_ns)?;
         out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve.message())?;
         let clear = contact::clear(episode, 0);
@@ -195,9 +192,7 @@ impl EventLogger {
         let shown = std::mem::replace(&mut self.maze_shown, true);
         let to = if shown { For::Episode } else { For::Both };
         out.send(to, Topic::Maze, time_ns, &maze)?;
-        let drawn = [view.sensed.is_some(), self.beams];
-        let legend = legend::of_robot(view.maze, self.sensor, drawn, time_ns);
-        let robot = robot::scene(&self.robot, legend, time_ns);
+        let robot = robot::scene(&self.robot, time_ns);
         out.send(For::Episode, Topic::Robot, time_ns, &robot)
     }
 
@@ -216,7 +211,6 @@ impl EventLogger {
         self.curve.push(episode);
         self.show_learned(out, For::Episode, maze, time_ns)?;
         self.show_learned(out, For::Run, maze, time_ns)?;
-        self.show_landscape(out, For::Run, maze, time_ns)?;
         // The last step has already written the trail to the episode's file if it was due.
         let to = if self.trail.is_due() {
             For::Run
@@ -284,25 +278,6 @@ impl EventLogger {
             out.send(to, Topic::Values, time_ns, &scene)?;
         }
         Ok(())
-    }
-
-    /// Logs the learned policy as a landscape, if it differs from the last shown one.
-    fn show_landscape(
-        &mut self,
-        out: &mut Outbox,
-        to: For,
-        maze: &Maze,
-        time_ns: u64,
-    ) -> Result<(), Error> {
-        let columns = policy::columns(self.policy.as_ref(), maze);
-        let shown = self.shown.of(to);
-        match news(&mut shown.columns, columns) {
-            Some(columns) => {
-                let scene = policy::landscape(columns, time_ns);
-                out.send(to, Topic::Landscape, time_ns, &scene)
-            }
-            None => Ok(()),
-        }
     }
 }
 

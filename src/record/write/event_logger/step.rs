@@ -7,7 +7,7 @@ use crate::arena::{Contact, Estimate, Sample, View};
 use crate::episode::{PolicyMap, Step};
 use crate::error::Error;
 use crate::record::topics::rule::Reasons;
-use crate::record::topics::{Topic, contact, estimate, log, percept, policy, rays, scan, step};
+use crate::record::topics::{Topic, contact, estimate, log, percept, policy, scan, step};
 use crate::record::write::outbox::{For, Outbox};
 
 /// An event of a move.
@@ -149,8 +149,6 @@ impl EventLogger {
             return Ok(());
         };
         self.belief = estimate::entities(sensed, self.robot.radius_m, now.time_ns).into();
-        self.belief
-            .extend(self.beams.then(|| rays::rays(view)).flatten());
         match estimate::record(episode, step, sensed, &now) {
             Some(record) => out.send_json(For::Episode, Topic::Estimate, now.time_ns, &record),
             None => Ok(()),
