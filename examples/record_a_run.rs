@@ -15,7 +15,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = RunFolder::create(&parent.path().join("run"), false)?;
     let trial = Trial::new(Plan::new(maze).episodes(10).seed(7))?;
     let session = Session::begin(folder, trial, RecordMode::All)?;
-    // The observer sees every step. The function returns true to stop and write a checkpoint.
+    // The observer sees every step. The function returns true to stop the run.
     let run = session.run(&mut (), &|| false)?;
     for file in &run.recording.files {
         println!("{}", file.display());

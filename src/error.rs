@@ -30,7 +30,7 @@ pub enum ErrorKind {
     CannotCreate,
     /// Input or output error.
     Io,
-    /// Interrupted. A valid checkpoint was left.
+    /// Interrupted. The work can be continued.
     Interrupted,
 }
 

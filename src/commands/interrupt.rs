@@ -50,7 +50,7 @@ impl Interrupt {
 
     /// Registers the signal handlers and starts a watcher. If the current work, such as an episode
     /// in a winding maze, exceeds the grace period, the process ends with the failure from
-    /// `shutdown_message`. As after a kill, the last checkpoint or journal stays intact.
+    /// `shutdown_message`. As after a kill, every complete file stays intact.
     pub fn watch(shutdown_message: impl Fn() -> Failure + Send + 'static) -> Result<Self, Failure> {
         let this = Self::notice()?;
         let watch = this.clone();
@@ -81,7 +81,7 @@ impl Interrupt {
 /// Turns violations of system limits into exit code 74, where a signal would otherwise kill the
 /// process. Writing beyond a file-size limit fails with an error. When memory runs out, the
 /// standard library reports it on stderr and aborts. The process then ends as if killed, so that
-/// the last checkpoint or journal stays intact.
+/// every complete file stays intact.
 pub fn limits_are_errors() -> Result<(), Failure> {
     let unhandled = Failure::system("handle signals");
     #[cfg(unix)]

@@ -4,7 +4,6 @@ use std::ops::ControlFlow;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use xcscr::episode::{Ending, Episode, Learned, Observer};
-use xcscr::trial::Trial;
 
 /// The template during the first episode.
 const FIRST: &str = "{bar:14} episode {pos}/{len}";
@@ -20,16 +19,6 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Creates a bar for the rest of a trial; `quiet` hides it.
-    pub fn new(trial: &Trial, quiet: bool) -> Self {
-        let progress = trial.progress();
-        let mut this = Self::of(trial.plan().config.episodes, quiet);
-        this.bar.set_position(progress.episodes.into());
-        this.bar.reset_eta();
-        this.best = progress.best_steps;
-        this
-    }
-
     /// Creates a bar for a number of episodes; `quiet` hides it.
     pub fn of(episodes: u32, quiet: bool) -> Self {
         Self {

@@ -109,7 +109,7 @@ pub fn run(args: &TrainArgs, out: &mut Results) -> Result<(), Failure> {
             (Resumed::Finished(folder), _) => return say_finished(&folder, args.json, out),
         },
     };
-    let mut progress = Progress::new(session.trial(), args.quiet);
+    let mut progress = Progress::of(session.trial().plan().config.episodes, args.quiet);
     let finished = session.run(&mut progress, &|| interrupt.came());
     drop(progress);
     let Finished {

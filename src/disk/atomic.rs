@@ -2,7 +2,7 @@
 //! own temporary file, so that concurrent writers of one file cannot mix their bytes.
 
 use std::ffi::OsStr;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
@@ -140,15 +140,6 @@ pub(crate) fn remove_leftovers(folder: &Path, is_ours: impl Fn(&str) -> bool) ->
     Ok(())
 }
 
-/// Renames a file that is already synced to disk, and syncs the folder.
-///
-/// # Errors
-/// Errors of the file system.
-pub(crate) fn rename(from: &Path, to: &Path) -> io::Result<()> {
-    fs::rename(from, to)?;
-    sync_folder(folder_of(to))
-}
-
 /// Returns the parent folder of a path.
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
@@ -168,6 +159,7 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
     use std::thread;
 
     #[test]
@@ -195,19 +187,19 @@ mod tests {
     #[test]
     fn temporary_files_of_killed_writers_are_removed_and_other_files_kept() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("checkpoint");
+        let path = folder.path().join("rules.json");
         let (_, left) = aside(&path).unwrap().keep().unwrap();
-        assert!(is_leftover_of(left.file_name().unwrap(), "checkpoint"));
+        assert!(is_leftover_of(left.file_name().unwrap(), "rules.json"));
         let foreign = [
-            "checkpoint.part",
-            ".checkpoint.tmp",
+            "rules.json.part",
+            ".rules.json.tmp",
             ".notes.abcdef.tmp",
             "notes.tmp",
         ];
         for name in foreign {
             fs::write(folder.path().join(name), "mine").unwrap();
         }
-        remove_leftovers(folder.path(), |whole| whole == "checkpoint").unwrap();
+        remove_leftovers(folder.path(), |whole| whole == "rules.json").unwrap();
         assert!(!left.exists());
         assert!(foreign.iter().all(|name| folder.path().join(name).exists()));
     }

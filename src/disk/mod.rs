@@ -13,7 +13,7 @@ use serde::Serialize;
 
 pub use atomic::write;
 pub(crate) use atomic::{
-    is_leftover_of, keep_or_create, leftover_of, remove_leftovers, rename, replace, replace_with,
+    is_leftover_of, keep_or_create, leftover_of, remove_leftovers, replace, replace_with,
 };
 pub(crate) use error::{cannot_create, cannot_read, cannot_write};
 pub(crate) use lock::{FolderLock, LOCK, is_foreign_lock};

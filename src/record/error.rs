@@ -30,6 +30,20 @@ pub(super) fn unwritten(path: &Path, cause: impl Display) -> Error {
     ErrorKind::Io.error(message)
 }
 
+/// Returns the conversion of an error when a complete file is compared with what a repeated run
+/// records.
+pub(super) fn differs<E: Into<McapError>>(path: &Path) -> impl Fn(E) -> Error {
+    move |cause| {
+        let message = format!(
+            "{} is not what the repeated run records: {}; it was changed, or another version of xcscr wrote \
+             it; remove it, or begin a new run with `--force`",
+            path.display(),
+            explained(&cause.into())
+        );
+        ErrorKind::BadData.error(message)
+    }
+}
+
 /// Returns the error for a file with these bytes, which are not an MCAP file.
 pub(super) fn foreign(path: &Path, bytes: &[u8]) -> Error {
     let kind = match bytes.starts_with(b"SQLite format 3") {

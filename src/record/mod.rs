@@ -28,4 +28,4 @@ pub(crate) use ros::{drive_messages, messages};
 pub use serve::server;
 pub use topics::Topic;
 pub(crate) use write::is_ours;
-pub use write::{RecordSummary, Recorder, RecorderMemory};
+pub use write::{RecordSummary, Recorder};

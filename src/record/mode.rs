@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Which episodes get a file, and what the file contains. All modes but [`None`](Self::None) also
 /// write `run.mcap`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum RecordMode {
     /// Every episode.
     #[default]

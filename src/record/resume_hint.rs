@@ -1,15 +1,15 @@
-//! Hints for resuming a stopped run from its checkpoint.
+//! Hints for resuming a stopped run.
 
 use std::path::Path;
 
 use crate::disk;
 
-/// The recent state of an unfinished run.
-pub(crate) const CHECKPOINT: &str = "checkpoint";
+/// The plan of an unfinished run.
+pub(crate) const UNFINISHED: &str = "unfinished.json";
 
-/// Returns true if there is a checkpoint to resume from.
-pub(crate) fn has_checkpoint(folder: &Path) -> bool {
-    folder.join(CHECKPOINT).is_file()
+/// Returns true if the folder contains an unfinished run.
+pub(crate) fn is_resumable(folder: &Path) -> bool {
+    folder.join(UNFINISHED).is_file()
 }
 
 /// Returns how to resume a run.
@@ -22,5 +22,5 @@ pub(crate) fn resume_hint(folder: &Path) -> String {
 
 /// Returns how to resume the run in a folder, if it was stopped.
 pub(crate) fn way_to_resume(folder: &Path) -> Option<String> {
-    has_checkpoint(folder).then(|| resume_hint(folder))
+    is_resumable(folder).then(|| resume_hint(folder))
 }

@@ -8,8 +8,7 @@ use std::path::Path;
 use serde::de::IgnoredAny;
 
 use crate::disk::{self, LOCK};
-use crate::record::resume_hint::CHECKPOINT;
-use crate::trial::is_sealed;
+use crate::record::resume_hint::UNFINISHED;
 
 /// The world as used by the run.
 pub(super) const WORLD: &str = "world.json";
@@ -30,11 +29,11 @@ const RECORDINGS: [&str; 4] = [
 /// The contents of a folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Contents {
-    /// Nothing, or the files of a run that was killed before its first checkpoint.
+    /// Nothing, or the files of a run that was killed before it began.
     Nothing,
-    /// A run with a checkpoint.
+    /// An unfinished run.
     Interrupted,
-    /// A run without a checkpoint.
+    /// A finished run.
     Run,
     /// Other files.
     Foreign,
@@ -57,15 +56,15 @@ impl Contents {
             names => names?,
         };
         let has = |name: &str| names.iter().any(|one| one == name);
-        if has(CHECKPOINT) {
+        if has(UNFINISHED) {
             return Ok(Self::Interrupted);
         }
         if has(CONFIG) {
             return Ok(Self::Run);
         }
-        // Ignores the files that exist before the first checkpoint.
+        // Ignores the files that exist before a run begins.
         let is_lock = |name: &OsString| name == LOCK && !disk::is_foreign_lock(&path.join(LOCK));
-        names.retain(|name| !is_lock(name) && !disk::is_leftover_of(name, CHECKPOINT));
+        names.retain(|name| !is_lock(name) && !disk::is_leftover_of(name, UNFINISHED));
         Ok(match names.is_empty() {
             true => Self::Nothing,
             false => Self::Foreign,
@@ -80,7 +79,9 @@ pub(super) fn file_names(path: &Path) -> io::Result<Vec<OsString>> {
 }
 
 /// Some fields that every version of this program writes into the `config.json` of a run.
-const SIGNATURE: [&str; 5] = ["version", "method", "arena", "episodes", "settings"];
+const CONFIG_FIELDS: [&str; 5] = ["version", "method", "arena", "episodes", "settings"];
+/// The fields of `unfinished.json`.
+const UNFINISHED_FIELDS: [&str; 3] = ["record", "world", "config"];
 
 /// Returns true if a run wrote the files with the names of a run. Other programs also use
 /// `config.json`.
@@ -93,10 +94,12 @@ fn was_written_by_a_run(path: &Path) -> io::Result<bool> {
         }
         bytes => bytes,
     };
-    let config = serde_json::from_slice(&read(CONFIG)?);
-    let fields: BTreeMap<String, IgnoredAny> = config.unwrap_or_default();
-    let is_signed = SIGNATURE.iter().all(|field| fields.contains_key(*field));
-    Ok(is_signed || is_sealed(&read(CHECKPOINT)?))
+    let has = |name: &str, wanted: &[&str]| -> io::Result<bool> {
+        let found = serde_json::from_slice(&read(name)?);
+        let found: BTreeMap<String, IgnoredAny> = found.unwrap_or_default();
+        Ok(wanted.iter().all(|field| found.contains_key(*field)))
+    };
+    Ok(has(CONFIG, &CONFIG_FIELDS)? || has(UNFINISHED, &UNFINISHED_FIELDS)?)
 }
 
 /// Returns true if runs give this name to a file.
@@ -108,14 +111,13 @@ pub(super) fn is_of_a_run(name: &str) -> bool {
         .and_then(|rest| rest.strip_suffix(".mcap"));
     let is_number = |text: &str| text.len() >= 4 && text.bytes().all(|b| b.is_ascii_digit());
     number.is_some_and(is_number)
-        || [WORLD, CONFIG, RULES, CHECKPOINT].contains(&whole)
+        || [WORLD, CONFIG, RULES, UNFINISHED].contains(&whole)
         || RECORDINGS.contains(&whole)
-        || whole == "run.mcap.again"
 }
 
 /// Returns true if only a training writes a file of this name.
 pub(super) fn is_of_a_training(name: &str) -> bool {
-    [WORLD, CONFIG, RULES, CHECKPOINT].contains(&name)
+    [WORLD, CONFIG, RULES, UNFINISHED].contains(&name)
 }
 
 #[cfg(test)]
@@ -124,7 +126,8 @@ mod tests {
 
     #[test]
     fn only_names_of_run_files_are_recognised() {
-        let ours = "ep-0001.mcap ep-123456.mcap.part .rules.json.a1B2c3.tmp run.mcap checkpoint";
+        let ours =
+            "ep-0001.mcap ep-123456.mcap.part .rules.json.a1B2c3.tmp run.mcap unfinished.json";
         for name in ours.split(' ') {
             assert!(is_of_a_run(name), "{name}");
         }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::contents::CONFIG;
 use crate::disk;
 use crate::error::{Error, ErrorKind};
-use crate::record::resume_hint::{has_checkpoint, resume_hint};
+use crate::record::resume_hint::{is_resumable, resume_hint};
 
 /// The end of the name that the command line gives to the folder of an evaluation by default, after
 /// the name of the run.
@@ -65,9 +65,9 @@ pub(super) fn exists(folder: &Path) -> Error {
     ErrorKind::CannotCreate.error(message)
 }
 
-/// Adds how to resume the run, if `folder` has a checkpoint. A stopped run already says it.
+/// Adds how to resume the run in `folder`. A stopped run already says it.
 pub(super) fn resumable_in(error: Error, folder: &Path) -> Error {
-    match error.kind() != ErrorKind::Interrupted && has_checkpoint(folder) {
+    match error.kind() != ErrorKind::Interrupted && is_resumable(folder) {
         true => error.with_hint(&resume_hint(folder)),
         false => error,
     }

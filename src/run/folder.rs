@@ -4,7 +4,6 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::contents::{CONFIG, Contents, PAGE, RULES, WORLD, file_names, is_of_a_run};
@@ -13,13 +12,13 @@ use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK};
 use crate::error::{Error, ErrorKind, world_for_run};
 use crate::record::reader::Recording;
-use crate::record::resume_hint::{CHECKPOINT, way_to_resume};
+use crate::record::resume_hint::{UNFINISHED, way_to_resume};
 use crate::record::{RecordingKind, RunKind};
-use crate::trial::{CheckpointError, Config, Plan, seal, unseal};
+use crate::trial::{Config, Plan};
 use crate::world::Maze;
 
 /// A folder with the files of one run: `world.json`, `config.json`, `rules.json`, recordings, and
-/// a checkpoint while the run lasts.
+/// `unfinished.json` while the run lasts.
 #[derive(Debug)]
 pub struct RunFolder {
     path: PathBuf,
@@ -68,7 +67,7 @@ impl RunFolder {
     pub fn resume(path: &Path) -> Result<Self, Error> {
         match Contents::of(path).map_err(disk::cannot_read(path))? {
             Contents::Interrupted | Contents::Run => Self::locked(path)?.tidied(),
-            _ => Err(nothing_to_resume(path)),
+            _ => Err(Self::open(path).nothing_to_resume()),
         }
     }
 
@@ -100,12 +99,12 @@ impl RunFolder {
     /// Removes the files of the run; those that identify the folder as a run come last.
     fn clear(&self) -> Result<(), Error> {
         let mut names = self.names()?;
-        names.retain(|name| is_of_a_run(name) && name != CONFIG && name != CHECKPOINT);
-        names.extend([CHECKPOINT.to_owned(), CONFIG.to_owned()]);
+        names.retain(|name| is_of_a_run(name) && name != CONFIG && name != UNFINISHED);
+        names.extend([UNFINISHED.to_owned(), CONFIG.to_owned()]);
         names.iter().try_for_each(|name| self.remove(name))
     }
 
-    fn remove(&self, name: &str) -> Result<(), Error> {
+    pub(super) fn remove(&self, name: &str) -> Result<(), Error> {
         let path = self.path.join(name);
         disk::remove(&path).map_err(disk::cannot_write(&path))
     }
@@ -118,7 +117,7 @@ impl RunFolder {
         }
     }
 
-    /// Returns how to resume the run, for the end of a message; empty without a checkpoint.
+    /// Returns how to resume the run, for the end of a message; empty if it is finished.
     pub fn resume_hint(&self) -> String {
         way_to_resume(&self.path).map_or_else(String::new, |hint| format!("; {hint}"))
     }
@@ -187,49 +186,9 @@ impl RunFolder {
         page.is_file().then_some(page)
     }
 
-    /// Saves a checkpoint and replaces an earlier one.
-    ///
-    /// # Errors
-    /// An error of the file system; the earlier checkpoint is kept.
-    pub fn save_checkpoint(&self, state: &impl Serialize) -> Result<(), Error> {
-        self.write(CHECKPOINT, &seal(state))
-    }
-
     /// Returns true if the run is interrupted.
     pub fn is_interrupted(&self) -> bool {
         matches!(Contents::of(&self.path), Ok(Contents::Interrupted))
-    }
-
-    /// Returns the checkpoint; `None` if the run is finished.
-    ///
-    /// # Errors
-    /// If the checkpoint cannot be read, is damaged, or is of another version.
-    pub fn checkpoint<T: DeserializeOwned>(&self) -> Result<Option<T>, Error> {
-        let path = self.path.join(CHECKPOINT);
-        if !path.is_file() && self.path.join(RULES).is_file() {
-            return Ok(None);
-        }
-        let bytes = disk::read(&path, disk::MOST_BYTES).map_err(|cause| match cause.kind() {
-            io::ErrorKind::NotFound => nothing_to_resume(&self.path),
-            _ => disk::cannot_read(&path)(cause),
-        })?;
-        let state = unseal(&bytes).map_err(|fault| self.bad_checkpoint(fault))?;
-        Ok(Some(state))
-    }
-
-    /// Returns the error that the checkpoint cannot be used, with this fault.
-    pub fn bad_checkpoint(&self, fault: CheckpointError) -> Error {
-        let path = self.path.join(CHECKPOINT);
-        let message = format!("cannot resume from {}: {fault}", path.display());
-        ErrorKind::BadData.error(message)
-    }
-
-    /// Removes the checkpoint, which marks the run as finished.
-    ///
-    /// # Errors
-    /// An error of the file system.
-    pub fn remove_checkpoint(&self) -> Result<(), Error> {
-        self.remove(CHECKPOINT)
     }
 
     /// Returns true if the folder contains a finished evaluation.
@@ -267,18 +226,8 @@ impl RunFolder {
         ErrorKind::BadData.error(message)
     }
 
-    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Error> {
+    pub(super) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Error> {
         let path = self.path.join(name);
         disk::replace(&path, bytes).map_err(disk::cannot_write(&path))
     }
-}
-
-fn nothing_to_resume(folder: &Path) -> Error {
-    let typed = disk::typed(folder);
-    let message = format!(
-        "{} contains no interrupted run: begin one with `xcscr train WORLD --out {typed}`; `--force` \
-         replaces an existing run",
-        folder.display()
-    );
-    ErrorKind::Missing.error(message)
 }

@@ -30,6 +30,7 @@ mod session;
 mod source;
 mod page;
 mod rerun;
+mod unfinished;
 mod untouched;
 mod verify;
 

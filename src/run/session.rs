@@ -1,9 +1,7 @@
-//! A run in progress, with checkpoints so that stopping it in any way loses little work.
+//! A run in progress. A run that was stopped in any way is repeated from its beginning: the same plan
+//! gives the same bytes, so files that are already complete stay as they are.
 
 use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
-
-use serde::{Deserialize, Serialize};
 
 use super::error;
 use super::facts::run_info;
@@ -12,21 +10,8 @@ use super::page::page_of;
 use crate::episode::Observer;
 use crate::error::{Error, ErrorKind};
 use crate::record::resume_hint::resume_hint;
-use crate::record::{RecordMode, RecordSummary, Recorder, RecorderMemory};
-use crate::trial::{Checkpoint, Trial};
-
-/// Checkpoints take at most 1/`SHARE` of the run time.
-const SHARE: u32 = 50;
-/// The maximum time between checkpoints.
-const MAX_INTERVAL: Duration = Duration::from_secs(60);
-
-/// The contents of a checkpoint.
-#[derive(Serialize, Deserialize)]
-struct State {
-    trial: Checkpoint,
-    recorder: RecorderMemory,
-    steps: Vec<u32>,
-}
+use crate::record::{RecordMode, RecordSummary, Recorder};
+use crate::trial::Trial;
 
 /// A recorded run in progress, in a locked folder.
 pub struct Session {
@@ -35,12 +20,11 @@ pub struct Session {
     recorder: Recorder,
     /// The number of steps of each episode so far.
     steps: Vec<u32>,
-    next_checkpoint: Instant,
 }
 
 /// The result of resuming a run.
 pub enum Resumed {
-    /// The run continues from its checkpoint.
+    /// The run is repeated, and goes on.
     Unfinished(Box<Session>),
     /// The run is already finished.
     Finished(RunFolder),
@@ -54,60 +38,49 @@ pub struct Finished {
     pub folder: RunFolder,
     /// The recorded files.
     pub recording: RecordSummary,
-    /// The number of steps of each episode, including those before the run was resumed.
+    /// The number of steps of each episode.
     pub steps: Vec<u32>,
 }
 
 impl Session {
-    /// Begins a run in an empty folder.
+    /// Begins a run in an empty folder, with a trial at its beginning.
     ///
     /// # Errors
     /// If a file of the run cannot be written.
     pub fn begin(folder: RunFolder, trial: Trial, mode: RecordMode) -> Result<Self, Error> {
         let plan = trial.plan();
-        // Save a checkpoint first, so that the run can be resumed whenever it is stopped from here
-        // on.
-        folder.save_checkpoint(&State {
-            trial: trial.checkpoint(),
-            recorder: RecorderMemory::new(mode),
-            steps: Vec::new(),
-        })?;
+        // Save this first, so that the run can be resumed whenever it is stopped from here on.
+        folder.save_unfinished(plan, mode)?;
         folder.save_plan(plan)?;
         let recorder = Recorder::create(folder.path(), &plan.maze, run_info(plan), mode)?;
-        Ok(Self::new(folder, trial, recorder, Vec::new()))
+        Ok(Self::new(folder, trial, recorder))
     }
 
-    /// Resumes the run in a folder from its last checkpoint.
+    /// Resumes the run in a folder: repeats it from its beginning, without writing the files of
+    /// episodes that are complete.
     ///
     /// # Errors
-    /// If the checkpoint or a required recording is missing, damaged or inconsistent. If the
-    /// settings or the world were changed by hand. If a foreign file would be replaced.
+    /// If the plan of the run is missing, damaged or of another version. If the settings or the
+    /// world were changed by hand. If a foreign file would be replaced.
     pub fn resume(folder: RunFolder) -> Result<Resumed, Error> {
-        let Some(State {
-            trial,
-            recorder,
-            steps,
-        }) = folder.checkpoint()?
-        else {
+        let Some((plan, mode)) = folder.unfinished()? else {
             return Ok(Resumed::Finished(folder));
         };
-        let trial = Trial::resume(&trial).map_err(|fault| folder.bad_checkpoint(fault))?;
+        let trial = Trial::new(plan)?;
         let plan = trial.plan();
         folder.check_untouched(plan)?;
         folder.save_plan(plan)?;
-        let (info, policy) = (run_info(plan), trial.policy());
-        let recorder = Recorder::resume(folder.path(), &plan.maze, info, recorder, policy)?;
-        let session = Self::new(folder, trial, recorder, steps);
+        let recorder = Recorder::repeat(folder.path(), &plan.maze, run_info(plan), mode)?;
+        let session = Self::new(folder, trial, recorder);
         Ok(Resumed::Unfinished(Box::new(session)))
     }
 
-    fn new(folder: RunFolder, trial: Trial, recorder: Recorder, steps: Vec<u32>) -> Self {
+    fn new(folder: RunFolder, trial: Trial, recorder: Recorder) -> Self {
         Self {
             folder,
             trial,
             recorder,
-            steps,
-            next_checkpoint: Instant::now(),
+            steps: Vec::new(),
         }
     }
 
@@ -116,12 +89,12 @@ impl Session {
         &self.trial
     }
 
-    /// Runs the remaining episodes and saves the learned knowledge. `observer` sees every step
-    /// after it was recorded. The run is stopped with a checkpoint after the first episode at whose
-    /// end `stop` returns true.
+    /// Runs the episodes and saves the learned knowledge. `observer` sees every step after it was
+    /// recorded. The run is stopped after the first episode at whose end `stop` returns true.
     ///
     /// # Errors
-    /// [`ErrorKind::Interrupted`] if the run was stopped; otherwise if a file cannot be written.
+    /// [`ErrorKind::Interrupted`] if the run was stopped. Otherwise if a file cannot be written, or
+    /// the file of a repeated episode differs.
     pub fn run(
         self,
         observer: &mut dyn Observer,
@@ -147,7 +120,7 @@ impl Session {
             let page = page_of(self.folder.path(), self.trial.plan(), &knowledge)?;
             self.folder.save_page(&page)?;
         }
-        self.folder.remove_checkpoint()?;
+        self.folder.remove_unfinished()?;
         Ok(Finished {
             trial: self.trial,
             folder: self.folder,
@@ -165,29 +138,11 @@ impl Session {
             let mut observers = (&mut self.recorder, &mut *observer);
             let (episode, flow) = self.trial.run_episode(&mut observers);
             self.steps.push(episode.steps);
-            // If the recorder failed, `save` returns its error.
+            self.recorder.check()?;
             if flow == ControlFlow::Break(()) || stop() {
-                self.save()?;
                 return Err(self.interrupted());
             }
-            if Instant::now() >= self.next_checkpoint {
-                self.save()?;
-            }
         }
-        Ok(())
-    }
-
-    /// Saves a checkpoint. The time until the next one follows from the duration of this one.
-    fn save(&mut self) -> Result<(), Error> {
-        let begun = Instant::now();
-        let state = State {
-            recorder: self.recorder.memory()?,
-            trial: self.trial.checkpoint(),
-            steps: self.steps.clone(),
-        };
-        self.folder.save_checkpoint(&state)?;
-        let pause = (begun.elapsed() * SHARE).min(MAX_INTERVAL);
-        self.next_checkpoint = Instant::now() + pause;
         Ok(())
     }
 

@@ -15,7 +15,7 @@ impl RunFolder {
     /// file that no run wrote.
     ///
     /// # Errors
-    /// If the settings or the world differ from the checkpoint, or a foreign file would be replaced.
+    /// If the settings or the world differ from those of the beginning, or a foreign file would be replaced.
     pub(super) fn check_untouched(&self, plan: &Plan) -> Result<(), Error> {
         for (name, text) in Self::texts_of(plan) {
             let found = self.bytes_of(name)?;

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use xcscr::agent::{Knowledge, Method};
-use xcscr::sensor::Sensor;
-use xcscr::trial::{Checkpoint, Plan, Trial, seal, unseal};
+use xcscr::trial::{Plan, Trial};
 
 use crate::learned::{Learned, gridded, learned, limited, mapped, with, world};
 
@@ -12,29 +11,6 @@ use crate::learned::{Learned, gridded, learned, limited, mapped, with, world};
 fn flipping(world: &str, method: Method, episodes: u32, flips: f64) -> Plan {
     let plan = limited(world, method).episodes(episodes).seed(3);
     with(plan, |settings| settings.sensor.flip_probability = flips)
-}
-
-#[test]
-fn a_trial_with_errors_goes_on_from_a_checkpoint_as_if_it_had_never_stopped() {
-    let flipping = |method| {
-        let plan = gridded(world("maze4"), method);
-        with(plan, |settings| settings.sensor.flip_probability = 0.02)
-    };
-    let rooms = gridded(world("rooms-12-4711"), Method::XcscrPlus);
-    let slipping = with(rooms.sensor(Sensor::NeighboursPosition), |settings| {
-        settings.arena.slip = 0.25;
-    });
-    let flipping = [Method::Xcscr, Method::XcscrPlus, Method::RMax].map(flipping);
-    for plan in flipping.into_iter().chain([slipping]) {
-        let mut whole = Trial::new(plan.episodes(16).seed(3)).unwrap();
-        for _ in 0..8 {
-            let _ = whole.run_episode(&mut ());
-        }
-        let saved: Checkpoint = unseal(&seal(&whole.checkpoint())).unwrap();
-        let mut resumed = Trial::resume(&saved).unwrap();
-        let _ = (whole.run(&mut ()), resumed.run(&mut ()));
-        assert_eq!(whole.checkpoint(), resumed.checkpoint());
-    }
 }
 
 #[test]
@@ -106,7 +82,7 @@ fn a_robot_that_feels_no_bumps_needs_more_steps_to_learn_only_where_observations
 }
 
 #[test]
-fn rules_and_checkpoints_tell_that_bumps_are_not_felt() {
+fn rules_tell_that_bumps_are_not_felt() {
     for bumps in [true, false] {
         let plan = mapped(world("maze4"), Method::XcscrPlus).episodes(6);
         let mut plan = with(plan, |settings| settings.map.feels_bumps = bumps);
@@ -115,9 +91,7 @@ fn rules_and_checkpoints_tell_that_bumps_are_not_felt() {
         assert_eq!(json.contains("unfelt"), !bumps);
         assert_eq!(serde_json::from_str::<Knowledge>(&json).unwrap(), knowledge);
         plan.config.initial = Some(knowledge);
-        let begun = Trial::new(plan).unwrap();
-        let saved: Checkpoint = unseal(&seal(&begun.checkpoint())).unwrap();
-        assert_eq!(saved, begun.checkpoint());
+        assert!(Trial::new(plan).is_ok());
     }
 }
 

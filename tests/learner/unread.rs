@@ -1,9 +1,11 @@
 //! The table of what reads each setting, against what the program does.
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
+use xcscr::episode::{Episode, Learned, Observer, Step};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Plan, Resolved, Scope, Settings, Trial};
 
@@ -44,7 +46,40 @@ fn settings(sets: &[String]) -> Option<Settings> {
     Some(resolved.settings)
 }
 
-/// All that a trial leaves behind, but its settings.
+/// All that is seen of a trial: what is perceived, expected, done and credited in each step, and its episodes.
+#[derive(Default)]
+struct Seen(String);
+
+impl Observer for Seen {
+    fn stepped(&mut self, step: &Step<'_>) {
+        let (sensed, values) = (
+            step.view
+                .sensed
+                .map(|sensed| (sensed.estimates, sensed.beams)),
+            step.values,
+        );
+        let Step {
+            cell,
+            percept,
+            action,
+            outcome,
+            credit,
+            view,
+            ..
+        } = step;
+        let now = view.now();
+        self.0 += &format!(
+            "{cell:?} {percept} {values:?} {action:?} {outcome:?} {credit:?} {now:?} {sensed:?}\n"
+        );
+    }
+
+    fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+        self.0 += &format!("{episode:?}\n");
+        ControlFlow::Continue(())
+    }
+}
+
+/// All that is seen of a trial and that it leaves behind.
 fn outcome((method, arena, sensor): Choice, sets: &[String]) -> String {
     let plan = Plan::new(kit::trial::maze("maze4")).method(method);
     let plan = plan.arena(arena).sensor(sensor);
@@ -54,10 +89,10 @@ fn outcome((method, arena, sensor): Choice, sets: &[String]) -> String {
     };
     let plan = plan.episodes(episodes).settings(settings(sets).unwrap());
     let mut trial = Trial::new(plan).unwrap();
-    let _ = trial.run(&mut ());
-    let left = serde_json::to_string(&trial.checkpoint()).unwrap();
-    let (_, left) = left.split_once("\"world\":").unwrap();
-    left.to_owned()
+    let mut seen = Seen::default();
+    let _ = trial.run(&mut seen);
+    let learned = serde_json::to_string(&trial.method().knowledge()).unwrap();
+    format!("{}{:?}{learned}", seen.0, trial.progress())
 }
 
 /// Other values than the default one of a setting: the ends of its range and one between, or the other names.

@@ -56,7 +56,7 @@ fn three_gigabytes_of_nothing_take_no_memory() {
     let hole = desk.path("hole.mcap");
     File::create(&hole).unwrap().set_len(3 << 30).unwrap();
     desk.write("run/world.json", fs::read("worlds/maze4.json").unwrap());
-    for name in ["config.json", "rules.json", "checkpoint", "study.json"] {
+    for name in ["config.json", "rules.json", "unfinished.json", "study.json"] {
         fs::hard_link(&hole, desk.path("run").join(name)).unwrap();
     }
     let of_a_run = READERS_OF_A_RUN.iter().map(|&line| line.to_owned());
@@ -75,7 +75,7 @@ fn pipes_and_devices_are_refused_at_once() {
     let made = Command::new("mkfifo").arg(desk.path("pipe")).status();
     assert!(made.unwrap().success());
     fs::create_dir(desk.path("run")).unwrap();
-    for file in ["checkpoint", "study.json"] {
+    for file in ["unfinished.json", "study.json"] {
         symlink("/dev/zero", desk.path("run").join(file)).unwrap();
     }
     let of_a_run = READERS_OF_A_RUN.iter().map(|&line| line.to_owned());

@@ -11,7 +11,7 @@ use crate::kit::folder::{assert_same, contents};
 use crate::kit::program::{ended, output_of, signal, wait_for};
 use xcscr::record;
 
-/// Every file that has its final name is whole: recordings are sound, the checkpoint resumes.
+/// Every file that has its final name is whole: recordings are sound, and documents can be read.
 #[track_caller]
 fn assert_whole(folder: &Path) {
     for (name, bytes) in contents(folder) {

@@ -1,19 +1,13 @@
 //! Readers that go away, folders that cannot be used, several processes in one folder, and names
 //! that lead elsewhere: a message with file and way out, and nothing whole is harmed.
-//!
-//! `XCSCR_LONG=1 cargo test --test runs faults` tears ten times as many checkpoints.
 
 use std::fs;
 use std::process::{Child, Stdio};
 
 use super::signals::{LONG_RUN, end_of, signalled};
-use crate::kit::chance::{dice, rounds};
 use crate::kit::desk::Desk;
 use crate::kit::folder::contents;
 use crate::kit::program::{ended, output_of, signal, wait_for, wait_until};
-use xcscr::run::RunFolder;
-use xcscr::trial::seal;
-use xcscr::xcs::random::Stream;
 
 #[test]
 fn a_reader_of_stdout_that_goes_away_is_a_clean_end() {
@@ -88,31 +82,12 @@ fn a_full_device_for_the_result_is_an_error_with_its_code() {
     }
 }
 
-/// A crash while a file is written leaves any part of the new file aside, whole or torn, in old
-/// or new order on the disk; only the last step, which the system makes whole, is the new file.
 #[test]
-fn wherever_a_checkpoint_is_torn_the_old_one_or_the_new_one_is_there() {
+fn what_a_crash_leaves_before_a_run_begins_is_not_in_the_way() {
     let desk = Desk::new();
-    let run = RunFolder::create(desk.folder(), false).unwrap();
-    let mut dice = dice(6);
-    let state =
-        |dice: &mut Stream| -> Vec<u64> { (0..dice.below(40)).map(|_| dice.bits()).collect() };
-    let mut old = state(&mut dice);
-    run.save_checkpoint(&old).unwrap();
-    for seed in 0..rounds(1_000, 10_000) {
-        let new = state(&mut dice);
-        let mut torn = seal(&new);
-        torn.truncate(dice.below(torn.len() + 1));
-        // Blocks that never reached the disk read as zeros.
-        let lost = dice.below(torn.len() + 1);
-        torn[lost..].fill(0);
-        desk.write(".checkpoint.a1B2c3.tmp", &torn);
-        let read = || run.checkpoint::<Vec<u64>>().unwrap().unwrap();
-        assert_eq!(read(), old, "seed {seed}: torn to {} bytes", torn.len());
-        run.save_checkpoint(&new).unwrap();
-        assert_eq!(read(), new, "seed {seed}: what was torn is in the way");
-        old = new;
-    }
+    desk.write("run/.unfinished.json.a1B2c3.tmp", r#"{"record": "al"#);
+    desk.ok("train maze4 --arena grid --episodes 2 --out @run");
+    assert!(!desk.path("run/.unfinished.json.a1B2c3.tmp").exists());
 }
 
 #[test]
@@ -133,8 +108,8 @@ fn of_eight_processes_in_one_folder_one_wins_and_the_others_name_it() {
     }
     desk.fails(73, "train --resume @run", &holder);
     desk.fails(73, "train maze4 --force --out @run", &holder);
-    // It has a checkpoint after its first episode.
-    wait_for(&desk.path("run/checkpoint"));
+    // It can be resumed from its beginning on.
+    wait_for(&desk.path("run/unfinished.json"));
     signal(&winner, "KILL");
     output_of(winner);
     // A killed process removes nothing, and its lock keeps the next one not out.
@@ -156,7 +131,7 @@ fn links_in_a_run_folder_lead_nobody_out_of_it() {
         "run.mcap.part",
         "rules.json",
         "world.json",
-        "checkpoint",
+        "unfinished.json",
         "foxglove-layout.json",
     ] {
         desk.write(&format!("outside/{name}"), "precious");

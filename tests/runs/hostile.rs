@@ -16,8 +16,10 @@ use serde_json::{Value, json};
 use xcscr::agent::{Estimator, Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::record::reader::Recording;
+use xcscr::record::RecordMode;
+use xcscr::run::{RunFolder, Session};
 use xcscr::study::{Overrides, Protocol, Report, Shard, Study, StudyFile, StudyFolder};
-use xcscr::trial::{Checkpoint, Config, Plan, Resolved, Settings, Trial, seal, unseal};
+use xcscr::trial::{Config, Plan, Resolved, Settings, Trial};
 use xcscr::world::Maze;
 
 /// Mutants that are read from memory.
@@ -28,14 +30,6 @@ const ON_DISK: (usize, usize) = (500, 30_000);
 fn plan(method: Method, arena: ArenaKind, episodes: u32) -> Plan {
     let plan = on_the_grid("maze4", method).arena(arena);
     plan.episodes(episodes)
-}
-
-fn trained(method: Method, arena: ArenaKind, episodes: u32) -> Trial {
-    let mut trial = Trial::new(plan(method, arena, episodes + 1)).unwrap();
-    for _ in 0..episodes {
-        let _ = trial.run_episode(&mut ());
-    }
-    trial
 }
 
 #[test]
@@ -80,6 +74,24 @@ fn mutants_of_the_settings_of_a_run() {
         // What passes its check can be begun.
         let plan = Plan { maze, config };
         plan.check().is_ok() && Trial::new(plan).is_ok()
+    });
+}
+
+#[test]
+fn mutants_of_unfinished_runs() {
+    let desk = Desk::new();
+    let run = RunFolder::create(&desk.path("run"), false).unwrap();
+    let trial = Trial::new(plan(Method::Xcscr, ArenaKind::Grid, 2)).unwrap();
+    drop(Session::begin(run, trial, RecordMode::None).unwrap());
+    let path = desk.path("run/unfinished.json");
+    let resumes = || Session::resume(RunFolder::resume(&desk.path("run")).unwrap());
+    feed(&[fs::read(&path).unwrap()], ON_DISK, |bytes| {
+        replace(&path, bytes);
+        let resumed = resumes();
+        // What is refused must also say why.
+        resumed
+            .map_err(|error| assert!(error.to_string().contains("run/"), "{error}"))
+            .is_ok()
     });
 }
 
@@ -259,46 +271,6 @@ fn mutants_of_rules() {
             // What is accepted can be begun with.
             plan.config.initial = Some(known);
             let _ = plan.run();
-        }
-        true
-    });
-}
-
-#[test]
-fn every_truncation_and_every_changed_byte_of_a_checkpoint_is_detected() {
-    let sound = seal(&trained(Method::Xcscr, ArenaKind::Physics, 2).checkpoint());
-    assert!(unseal::<Checkpoint>(&sound).is_ok());
-    for length in 0..sound.len() {
-        let cut = unseal::<Checkpoint>(&sound[..length]);
-        assert!(cut.is_err(), "{length} bytes of it");
-    }
-    let mut bytes = sound.clone();
-    for at in 0..sound.len() {
-        bytes[at] ^= 1 << (at % 8);
-        assert!(unseal::<Checkpoint>(&bytes).is_err(), "byte {at}");
-        bytes[at] = sound[at];
-    }
-    bytes.push(0);
-    assert!(unseal::<Checkpoint>(&bytes).is_err(), "a byte too many");
-}
-
-#[test]
-fn mutants_of_checkpoints_with_right_checksums() {
-    let content = |&method: &Method| {
-        let trial = trained(method, ArenaKind::Grid, 1);
-        postcard::to_allocvec(&trial.checkpoint()).unwrap()
-    };
-    let files: Vec<Vec<u8>> = Method::ALL.iter().map(content).collect();
-    feed(&files, IN_MEMORY, |content| {
-        let Ok(checkpoint) = postcard::from_bytes::<Checkpoint>(content) else {
-            return false;
-        };
-        let Ok(mut trial) = Trial::resume(&checkpoint) else {
-            return false;
-        };
-        let short = trial.method().step_threshold() <= 100;
-        if short && !trial.is_finished() && trial.plan().config.arena == ArenaKind::Grid {
-            let _ = trial.run_episode(&mut ());
         }
         true
     });

@@ -13,7 +13,7 @@ use crate::kit::trial::on_the_grid;
 use xcscr::agent::Method;
 use xcscr::record::{self, RecordMode};
 use xcscr::run::{RunFolder, Session};
-use xcscr::trial::{Plan, Trial, seal};
+use xcscr::trial::{Plan, Trial};
 use xcscr::xcs::random::Stream;
 
 /// A short trial on the grid.
@@ -44,7 +44,7 @@ fn train_with_kills(desk: &Desk, begin: &str, dice: &mut Stream) -> (String, Str
     let mut before = 0;
     for attempt in 0..5 {
         // A kill can come after the run is done, but before it has said so.
-        let mut child = match is_there("checkpoint") || is_there("rules.json") {
+        let mut child = match is_there("unfinished.json") || is_there("rules.json") {
             true => desk.spawn("train --resume @run --json"),
             false => desk.spawn(begin),
         };
@@ -186,7 +186,8 @@ fn a_run_is_resumed_only_from_the_files_that_it_left() {
         fs::remove_file(folder.join(name)).unwrap();
     }
     let (settings, world) = ("config.json", "world.json");
-    let cases: [Case<'_>; 8] = [
+    let unfinished = "unfinished.json";
+    let cases: [Case<'_>; 12] = [
         (&|_| {}, 0, ""),
         // A file that is removed is written again.
         (&|run| remove(run, settings), 0, ""),
@@ -212,38 +213,28 @@ fn a_run_is_resumed_only_from_the_files_that_it_left() {
             73,
             "rules.json is not a file of this run",
         ),
-        (&|run| remove(run, "run.mcap.part"), 66, "run.mcap.part"),
+        // The recording of the run is made anew.
+        (&|run| remove(run, "run.mcap.part"), 0, ""),
+        (&|run| remove(run, "ep-0001.mcap"), 0, ""),
+        (
+            &|run| edit(run, unfinished, "\"seed\": 3", "\"seed\": 4"),
+            65,
+            "config.json was changed",
+        ),
+        (
+            &|run| edit(run, unfinished, env!("CARGO_PKG_VERSION"), "0.0.9"),
+            65,
+            "begun by version 0.0.9",
+        ),
+        (
+            &|run| put(run, unfinished),
+            65,
+            "unfinished.json: expected value",
+        ),
     ];
     for (change, code, words) in cases {
         let (found, stderr) = resuming_after(change);
         assert_eq!(found, code, "{words}: {stderr}");
         assert!(stderr.contains(words), "{words}: {stderr}");
-    }
-}
-
-#[test]
-fn a_damaged_or_foreign_checkpoint_is_refused_and_left_as_it_is() {
-    let desk = Desk::new();
-    let trial = Trial::new(plan()).unwrap();
-    let sound = seal(&(trial.checkpoint(), 0_u8));
-    let mut flipped = sound.clone();
-    flipped[sound.len() / 2] ^= 1;
-    let mut newer = sound.clone();
-    newer[8] += 1;
-    let has_format = format!("it has format {}", newer[8]);
-    for (bytes, words) in [
-        (&flipped[..], "its checksum is wrong"),
-        (&sound[..sound.len() / 2], "but should have"),
-        (&newer[..], &has_format),
-        (b"not at all", "it is not a checkpoint"),
-        (&sound[..], "its content is inconsistent"),
-    ] {
-        desk.write("run/checkpoint", bytes);
-        let stderr = desk.fails(65, "train --resume @run", words);
-        assert!(stderr.contains("checkpoint"), "{stderr}");
-        assert!(
-            desk.read("run/checkpoint") == bytes,
-            "{words}: it was changed"
-        );
     }
 }

@@ -1,4 +1,4 @@
-//! Signals: the first one ends a run with a checkpoint, the second one at once.
+//! Signals: the first one ends a run after its episode, the second one at once.
 
 use std::process::Child;
 
@@ -44,7 +44,7 @@ fn write_winding_world(desk: &Desk) {
 }
 
 #[test]
-fn the_first_signal_ends_the_run_with_a_checkpoint() {
+fn the_first_signal_ends_the_run_after_its_episode() {
     for name in ["INT", "TERM", "USR1"] {
         let desk = Desk::new();
         let child = desk.spawn(LONG_RUN);

@@ -1,14 +1,15 @@
 //! An MCAP file that is being written.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::fs;
+use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, McapResult};
 
 use super::sink::{self, Sink};
+use super::target::Target;
 use crate::disk;
 use crate::error::Error;
 use crate::record::error;
@@ -30,8 +31,6 @@ pub struct LogFile<W: Write> {
     writer: Sink<W>,
     /// The channel by [`Topic`], if this file has one.
     channels: [Option<u16>; Topic::ALL.len()],
-    /// The number of messages written so far.
-    messages: u64,
 }
 
 impl<W: Write> LogFile<W> {
@@ -41,7 +40,6 @@ impl<W: Write> LogFile<W> {
         Ok(Self {
             writer,
             channels: [None; Topic::ALL.len()],
-            messages: 0,
         })
     }
 
@@ -81,13 +79,7 @@ impl<W: Write> LogFile<W> {
             log_time: time_ns,
             publish_time: time_ns,
         };
-        self.messages += 1;
         self.writer.write_to_known_channel(&header, encoded)
-    }
-
-    /// Returns the number of messages written so far.
-    pub fn messages(&self) -> u64 {
-        self.messages
     }
 
     /// Attaches a JSON text.
@@ -120,80 +112,74 @@ impl<W: Write> LogFile<W> {
     }
 }
 
-/// A [`LogFile`] on disk, called `NAME.part` or alike until it is finished.
+/// A [`LogFile`] on disk, called `NAME.part` until it is finished; or a complete file, to
+/// which the same bytes are written in thought.
 pub struct OpenFile {
-    log: LogFile<BufWriter<File>>,
-    /// A second handle of the same file, to sync the file while it is written.
-    disk: File,
+    log: LogFile<Target>,
     path: PathBuf,
-    part: PathBuf,
+    /// The unfinished file; `None` if the file is complete.
+    part: Option<PathBuf>,
 }
 
 impl OpenFile {
-    /// Creates `folder/name.extension` and replaces an older file.
-    pub fn create(folder: &Path, name: &str, extension: &str) -> Result<Self, Error> {
-        let path = folder.join(name);
-        let part = folder.join(format!("{name}.{extension}"));
-        let created = disk::create(&part).and_then(|file| Ok((file.try_clone()?, file)));
-        let (disk, file) = created.map_err(|cause| match cause.kind() {
+    /// Creates a file, called `NAME.part` until it is finished, and replaces an older one.
+    pub fn create(path: PathBuf) -> Result<Self, Error> {
+        let part = disk::part(&path);
+        let file = disk::create(&part).map_err(|cause| match cause.kind() {
             // The folder existed when the recorder began.
             io::ErrorKind::NotFound => error::write(&part)(cause),
             _ => disk::cannot_create(&part)(cause),
         })?;
-        let log = LogFile::new(BufWriter::with_capacity(64 * 1024, file));
+        let target = Target::New(BufWriter::with_capacity(64 * 1024, file));
+        let log = LogFile::new(target).map_err(error::write(&part))?;
         Ok(Self {
-            log: log.map_err(error::write(&part))?,
-            disk,
+            log,
             path,
-            part,
+            part: Some(part),
         })
     }
 
-    /// Syncs the flushed data to disk.
-    pub fn sync(&self) -> Result<(), Error> {
-        let synced = self.disk.sync_data();
-        synced.map_err(error::write(&self.part))
-    }
-
-    /// Replaces `folder/name.part` with this file.
-    pub fn become_part(&mut self) -> Result<(), Error> {
-        self.sync()?;
-        let part = disk::part(&self.path);
-        disk::rename(&self.part, &part).map_err(error::write(&self.part))?;
-        self.part = part;
-        Ok(())
-    }
-
-    /// Returns the number of messages written so far.
-    pub fn messages(&self) -> u64 {
-        self.log.messages()
+    /// Opens a complete file. Writing anything else than its bytes is an error.
+    pub fn complete(path: PathBuf) -> Result<Self, Error> {
+        let file = disk::open(&path).map_err(disk::cannot_read(&path))?;
+        let log = LogFile::new(Target::Complete(BufReader::new(file)));
+        Ok(Self {
+            log: log.map_err(error::differs(&path))?,
+            path,
+            part: None,
+        })
     }
 
     /// Applies an action to the stream; an error names the file.
     pub fn with(
         &mut self,
-        act: impl FnOnce(&mut LogFile<BufWriter<File>>) -> McapResult<()>,
+        act: impl FnOnce(&mut LogFile<Target>) -> McapResult<()>,
     ) -> Result<(), Error> {
-        act(&mut self.log).map_err(error::write(&self.part))
+        let done = act(&mut self.log);
+        done.map_err(|cause| fault(&self.path, self.part.as_deref(), cause))
     }
 
     /// Finishes the file, syncs it to disk and gives it its name. Returns the path and the size in
     /// bytes.
     pub fn finish(self) -> Result<(PathBuf, u64), Error> {
-        let Self {
-            log, path, part, ..
-        } = self;
-        let saved = log.finish().and_then(|sink| {
-            let file = sink
-                .into_inner()
-                .map_err(|e| McapError::Io(e.into_error()))?;
-            file.sync_all()?;
-            let bytes = file.metadata()?.len();
-            fs::rename(&part, &path)?;
+        let Self { log, path, part } = self;
+        let saved = log.finish().and_then(|target| {
+            let bytes = target.finish()?;
+            if let Some(part) = &part {
+                fs::rename(part, &path)?;
+            }
             Ok(bytes)
         });
-        let bytes = saved.map_err(error::write(&part))?;
+        let bytes = saved.map_err(|cause| fault(&path, part.as_deref(), cause))?;
         Ok((path, bytes))
+    }
+}
+
+/// Returns the error that a file cannot be written, or that a complete file differs.
+fn fault(path: &Path, part: Option<&Path>, cause: McapError) -> Error {
+    match part {
+        Some(part) => error::write(part)(cause),
+        None => error::differs(path)(cause),
     }
 }
 

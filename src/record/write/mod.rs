@@ -2,11 +2,11 @@
 
 pub(super) mod log_file;
 pub(super) mod outbox;
-mod rebuild;
 mod recorder;
 pub(super) mod event_logger;
 pub(super) mod sink;
+mod target;
 mod trajectory;
 
-pub use recorder::{RecordSummary, Recorder, RecorderMemory};
+pub use recorder::{RecordSummary, Recorder};
 pub use sink::is_ours;

@@ -6,22 +6,19 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use mcap::McapResult;
-use serde::{Deserialize, Serialize};
 
 use super::event_logger::EventLogger;
 use super::log_file::{Facts, LogFile, OpenFile};
 use super::outbox::Outbox;
-use super::rebuild;
 use crate::agent::Agent;
 use crate::arena::View;
 use crate::disk;
-use crate::episode::{Episode, Learned, Observer, PolicyMap, Step};
+use crate::episode::{Episode, Learned, Observer, Step};
 use crate::error::Error;
 use crate::record::info::{RecordingKind, RunInfo};
 use crate::record::layout;
 use crate::record::mode::RecordMode;
 use crate::record::topics::Topic;
-use crate::record::topics::curve::Curve;
 use crate::world::Maze;
 
 /// Writes one MCAP file per episode, `ep-0001.mcap` and so on. `run.mcap` contains the events that
@@ -45,33 +42,15 @@ pub struct Recorder {
     layouts: [String; 2],
     event_logger: EventLogger,
     outbox: Outbox,
-    /// The state; `messages` and `event_logger` are filled in for a checkpoint.
-    memory: RecorderMemory,
-    /// Name and text of an additional attachment of `run.mcap`.
-    attached: Option<(&'static str, String)>,
-    error: Option<Error>,
-}
-
-/// A recorder's checkpoint between two episodes, in addition to the files on disk.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct RecorderMemory {
     mode: RecordMode,
-    /// Messages in `run.mcap`.
-    messages: u64,
+    /// True if complete files of episodes are compared and not replaced.
+    repeats: bool,
     /// The episodes whose files are kept, with their sizes in bytes.
     kept: Vec<(u32, u64)>,
     clock_ns: u64,
-    event_logger: (Curve, bool),
-}
-
-impl RecorderMemory {
-    /// Creates the checkpoint of a recorder that has not recorded anything.
-    pub fn new(mode: RecordMode) -> Self {
-        Self {
-            mode,
-            ..Self::default()
-        }
-    }
+    /// Name and text of an additional attachment of `run.mcap`.
+    attached: Option<(&'static str, String)>,
+    error: Option<Error>,
 }
 
 /// The files that a recorder has written.
@@ -95,64 +74,49 @@ impl Recorder {
         info: RunInfo,
         mode: RecordMode,
     ) -> Result<Self, Error> {
-        let mut recorder = Self::new(folder, maze, info, RecorderMemory::new(mode));
-        if mode != RecordMode::None {
-            recorder.lay_out()?;
-            recorder.outbox.run = Some(recorder.open_run("part")?);
-        }
-        Ok(recorder)
+        Self::new(folder, maze, info, mode).begun()
     }
 
-    /// Continues from a recorder's checkpoint; `learned` is the policy learned in the earlier
-    /// episodes. Later messages of `run.mcap.part` are discarded, because their episodes will be
-    /// run again.
+    /// Like [`create`](Self::create) for a run that is repeated, whose complete files of episodes
+    /// stay as they are. A difference between such a file and what is recorded now is an error.
     ///
     /// # Errors
-    /// If `run.mcap.part` is missing, damaged or too short, or a file cannot be created.
-    pub fn resume(
+    /// If the folder or a file in it cannot be created.
+    pub fn repeat(
         folder: &Path,
         maze: &Maze,
         info: RunInfo,
-        memory: RecorderMemory,
-        learned: PolicyMap,
+        mode: RecordMode,
     ) -> Result<Self, Error> {
-        if memory.mode == RecordMode::None || memory.messages == 0 {
-            return Self::create(folder, maze, info, memory.mode);
+        let recorder = Self::new(folder, maze, info, mode);
+        let repeats = true;
+        Self {
+            repeats,
+            ..recorder
         }
-        let (messages, logged) = (memory.messages, memory.event_logger.clone());
-        let mut recorder = Self::new(folder, maze, info, memory);
-        recorder.lay_out()?;
-        recorder.outbox.run = Some(recorder.rebuilt_run(messages)?);
-        recorder.event_logger.resume(logged, learned, maze);
-        Ok(recorder)
+        .begun()
     }
 
-    /// Rebuilds `run.mcap.part` with its first `messages` messages. If the run was stopped in its
-    /// last steps, the file may already have its final name.
-    fn rebuilt_run(&self, messages: u64) -> Result<OpenFile, Error> {
-        let whole = self.path(RecordingKind::Run);
-        let part = disk::part(&whole);
-        let is_whole = whole.exists() && !part.exists();
-        let source = if is_whole { whole } else { part };
-        // Check this first, so that a missing recording leaves the folder unchanged.
-        let opened = disk::open(&source).map(drop);
-        opened.map_err(disk::cannot_read(&source))?;
-        // Write a separate file, so that nothing is lost if this is stopped, too.
-        let mut run = self.open_run("again")?;
-        rebuild::copy(&source, messages, &mut run)?;
-        run.become_part()?;
-        Ok(run)
+    fn begun(mut self) -> Result<Self, Error> {
+        if self.mode != RecordMode::None {
+            self.lay_out()?;
+            self.outbox.run = Some(self.open_run()?);
+        }
+        Ok(self)
     }
 
-    fn new(folder: &Path, maze: &Maze, info: RunInfo, memory: RecorderMemory) -> Self {
+    fn new(folder: &Path, maze: &Maze, info: RunInfo, mode: RecordMode) -> Self {
         Self {
             folder: folder.to_owned(),
             world: maze.name().to_owned(),
             layouts: [layout::of_episode(maze), layout::of_run(maze)],
-            event_logger: EventLogger::new(maze, &info, memory.mode == RecordMode::Beams),
+            event_logger: EventLogger::new(maze, &info, mode == RecordMode::Beams),
             info,
             outbox: Outbox::default(),
-            memory,
+            mode,
+            repeats: false,
+            kept: Vec::new(),
+            clock_ns: 0,
             attached: None,
             error: None,
         }
@@ -165,24 +129,15 @@ impl Recorder {
 
     /// Returns the recording mode.
     pub fn mode(&self) -> RecordMode {
-        self.memory.mode
+        self.mode
     }
 
-    /// Returns the checkpoint after the last episode, and syncs the recordings so far to disk.
+    /// Returns the first error of the whole recording so far.
     ///
     /// # Errors
-    /// The first error of the whole recording.
-    pub fn memory(&mut self) -> Result<RecorderMemory, Error> {
-        if let Some(error) = self.error.take() {
-            return Err(error);
-        }
-        let run = self.outbox.run.as_ref();
-        run.map_or(Ok(()), OpenFile::sync)?;
-        Ok(RecorderMemory {
-            messages: run.map_or(0, OpenFile::messages),
-            event_logger: self.event_logger.memory(),
-            ..self.memory.clone()
-        })
+    /// That error.
+    pub fn check(&mut self) -> Result<(), Error> {
+        self.error.take().map_or(Ok(()), Err)
     }
 
     /// Attaches a text to `run.mcap` when it is finished.
@@ -195,10 +150,8 @@ impl Recorder {
     /// # Errors
     /// The first error of the whole recording. Unfinished files keep the extension `.part`.
     pub fn finish(mut self, method: &dyn Agent) -> Result<RecordSummary, Error> {
-        if let Some(error) = self.error.take() {
-            return Err(error);
-        }
-        let kept = self.memory.kept.iter();
+        self.check()?;
+        let kept = self.kept.iter();
         let mut files: Vec<_> = kept
             .map(|&(episode, bytes)| (self.path(RecordingKind::Episode(episode)), bytes))
             .collect();
@@ -214,9 +167,9 @@ impl Recorder {
 
     /// Attaches the final rules, and the additional text.
     fn attach_results<W: Write>(&self, log: &mut LogFile<W>, rules: &str) -> McapResult<()> {
-        log.attach("rules.json", self.memory.clock_ns, rules)?;
+        log.attach("rules.json", self.clock_ns, rules)?;
         match &self.attached {
-            Some((name, text)) => log.attach(name, self.memory.clock_ns, text),
+            Some((name, text)) => log.attach(name, self.clock_ns, text),
             None => Ok(()),
         }
     }
@@ -236,10 +189,17 @@ impl Recorder {
         Ok(())
     }
 
-    fn open_run(&self, extension: &str) -> Result<OpenFile, Error> {
-        let name = RecordingKind::Run.file_name();
-        let file = OpenFile::create(&self.folder, &name, extension)?;
+    fn open_run(&self) -> Result<OpenFile, Error> {
+        let file = OpenFile::create(self.path(RecordingKind::Run))?;
         self.introduce(file, RecordingKind::Run, &Topic::of_run())
+    }
+
+    fn open_episode(&self, kind: RecordingKind) -> Result<OpenFile, Error> {
+        let path = self.path(kind);
+        match self.repeats && path.is_file() {
+            true => OpenFile::complete(path),
+            false => OpenFile::create(path),
+        }
     }
 
     /// Begins a file with the facts of the run and its topics.
@@ -252,14 +212,14 @@ impl Recorder {
         let facts = Facts {
             info: &self.info,
             world: &self.world,
-            mode: self.memory.mode,
+            mode: self.mode,
             kind,
         };
         file.with(|log| {
-            log.facts(&facts, self.memory.clock_ns)?;
+            log.facts(&facts, self.clock_ns)?;
             if kind == RecordingKind::Run {
                 let [_, layout] = &self.layouts;
-                log.attach("foxglove-layout.json", self.memory.clock_ns, layout)?;
+                log.attach("foxglove-layout.json", self.clock_ns, layout)?;
             }
             log.declare(topics)
         })?;
@@ -267,12 +227,11 @@ impl Recorder {
     }
 
     fn begin(&mut self, episode: u32, view: &View<'_>) -> Result<(), Error> {
-        self.memory.clock_ns = view.now().time_ns;
-        if self.memory.mode.wants(episode) {
+        self.clock_ns = view.now().time_ns;
+        if self.mode.wants(episode) {
             let kind = RecordingKind::Episode(episode);
-            let beams = self.memory.mode == RecordMode::Beams;
-            let name = kind.file_name();
-            let file = OpenFile::create(&self.folder, &name, "part")?;
+            let beams = self.mode == RecordMode::Beams;
+            let file = self.open_episode(kind)?;
             let topics = Topic::of_episode(view.sensed.is_some(), beams);
             self.outbox.episode = Some(self.introduce(file, kind, &topics)?);
         }
@@ -280,7 +239,7 @@ impl Recorder {
     }
 
     fn end(&mut self, episode: &Episode, learned: &Learned<'_>) -> Result<(), Error> {
-        self.memory.clock_ns = learned.view.now().time_ns;
+        self.clock_ns = learned.view.now().time_ns;
         self.event_logger
             .ended(&mut self.outbox, episode, learned)?;
         if let Some(run) = &mut self.outbox.run {
@@ -288,14 +247,14 @@ impl Recorder {
         }
         if let Some(file) = self.outbox.episode.take() {
             let (_, bytes) = file.finish()?;
-            self.memory.kept.push((episode.episode, bytes));
+            self.kept.push((episode.episode, bytes));
         }
         Ok(())
     }
 
     /// Runs an action unless there was an error; stores the first error.
     fn attempt(&mut self, act: impl FnOnce(&mut Self) -> Result<(), Error>) {
-        if self.error.is_none() && self.memory.mode != RecordMode::None {
+        if self.error.is_none() && self.mode != RecordMode::None {
             self.error = act(self).err();
         }
     }

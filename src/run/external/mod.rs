@@ -175,7 +175,7 @@ impl ExternalRecorder {
         self.clock_ns = end.time_ns.next_multiple_of(lidar_cycle_ns(&self.plan));
         if flow.is_break() {
             // The recorder has failed, and returns its error.
-            self.recorder.memory()?;
+            self.recorder.check()?;
         }
         if done.steps as usize != episode.actions.len() {
             let steps = done.steps;

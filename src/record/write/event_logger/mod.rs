@@ -81,16 +81,6 @@ impl ShownIn {
     }
 }
 
-impl Shown {
-    /// Returns the state in which all of a policy is shown.
-    fn all(policy: &PolicyMap, maze: &Maze) -> Self {
-        Self {
-            marks: Some(policy::marks(Some(policy), maze)),
-            floor: Some(values::Floor::of(Some(policy), maze)),
-        }
-    }
-}
-
 impl EventLogger {
     pub fn new(maze: &Maze, info: &RunInfo, beams: bool) -> Self {
         Self {
@@ -123,20 +113,6 @@ impl EventLogger {
             }),
             beams,
         }
-    }
-
-    /// Returns the learning curve so far, and whether the policy was globally optimal.
-    pub fn memory(&self) -> (Curve, bool) {
-        (self.curve.clone(), self.was_optimal)
-    }
-
-    /// Continues after episodes with this checkpoint; `policy` is their learned policy.
-    pub fn resume(&mut self, (curve, was_optimal): (Curve, bool), policy: PolicyMap, maze: &Maze) {
-        self.curve = curve.restored();
-        self.was_optimal = was_optimal;
-        self.shown.run = Shown::all(&policy, maze);
-        self.policy = Some(policy);
-        self.maze_shown = true;
     }
 
     /// Starts with a policy that was learned elsewhere.
