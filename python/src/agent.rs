@@ -18,7 +18,10 @@ const ROWS_STREAM: u64 = 2;
 /// The reward of a right answer. A wrong answer gets 0.
 const RIGHT: f64 = 1000.0;
 /// The fault of a state that cannot be restored.
-pub const REFUSED: &str = "the state is damaged, or from a learner with other arguments";
+const REFUSED: &str = "the state is damaged, or from a learner with other arguments";
+
+/// The fault of a learner without a state.
+const UNSAVED: &str = "this learner cannot be saved";
 
 /// The attributes tested by a condition, each with its lower and upper bound.
 pub type Tests = Vec<(usize, f64, f64)>;
@@ -68,8 +71,16 @@ pub trait Learner: Send + Sync {
     fn values(&self, values: &[f64]) -> Result<Vec<Option<f64>>, String>;
     fn rules(&self) -> Vec<Rule>;
     fn micro(&self) -> u32;
-    fn state(&self) -> Result<Vec<u8>, String>;
-    fn restore(&mut self, state: &[u8], width: usize) -> Result<(), String>;
+
+    /// Returns the state. By default, a learner cannot be saved.
+    fn state(&self) -> Result<Vec<u8>, String> {
+        Err(UNSAVED.into())
+    }
+
+    /// Continues from a state.
+    fn restore(&mut self, _: &[u8], _: usize) -> Result<(), String> {
+        Err(UNSAVED.into())
+    }
 }
 
 /// Converts the rules of a population.

@@ -3,7 +3,7 @@
 use xcs::{Action, Condition};
 use xcscr_learner::agent::EnvironmentLearner;
 
-use crate::agent::{Learner, Numeric, REFUSED, Rule, rules_of};
+use crate::agent::{Learner, Numeric, Rule, rules_of};
 
 impl Learner for EnvironmentLearner {
     fn act(&mut self, values: &[f64], explores: bool) -> Result<Option<Action>, String> {
@@ -40,22 +40,5 @@ impl Learner for EnvironmentLearner {
 
     fn micro(&self) -> u32 {
         self.rules().micro()
-    }
-
-    fn state(&self) -> Result<Vec<u8>, String> {
-        Ok(self.checkpoint())
-    }
-
-    fn restore(&mut self, state: &[u8], width: usize) -> Result<(), String> {
-        let mut restored = self.clone();
-        restored.restore(state).map_err(|_| REFUSED)?;
-        let rules = restored.rules().rules().iter();
-        let mut widths = rules.map(|rule| rule.condition.width());
-        let mut percepts = restored.percepts().iter();
-        if !widths.all(|own| own == width) || !percepts.all(|percept| percept.width() == width) {
-            return Err(REFUSED.into());
-        }
-        *self = restored;
-        Ok(())
     }
 }

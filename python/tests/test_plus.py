@@ -1,8 +1,5 @@
 """`xcscr.Plus` on environments of Gymnasium."""
 
-import json
-import pickle
-
 import gymnasium
 import numpy
 import pytest
@@ -93,39 +90,6 @@ def test_the_same_seed_gives_the_same_rules():
 
     assert rules(3) == rules(3)
     assert rules(3) != rules(4), "control"
-
-
-@pytest.mark.parametrize("way", ["pickle", "file"])
-@pytest.mark.parametrize("slippery", [False, True])
-def test_a_copy_goes_on_to_the_bit_within_an_episode(tmp_path, way, slippery):
-    learner = xcscr.Plus.for_env(Lake(slippery=slippery), best_return=1.0, seed=1).fit(Lake(slippery=slippery), steps=150)
-    learner.act([0, 0])
-    if way == "file":
-        learner.save(tmp_path / "learner.json")
-        copy = xcscr.Plus.load(tmp_path / "learner.json")
-    else:
-        copy = pickle.loads(pickle.dumps(learner))
-    states = []
-    for one in (learner, copy):
-        one.update(0.0, [0, 1], terminated=False)
-        one.fit(Lake(slippery=slippery), steps=300)
-        states.append(one.__getstate__())
-    assert states[0] == states[1]
-
-
-def test_a_damaged_file_is_refused(tmp_path):
-    path = tmp_path / "learner.json"
-    learner = xcscr.Plus.for_env(Lake(), seed=1).fit(Lake(), steps=50)
-    learner.save(path)
-    good = json.loads(path.read_text())
-    fewer = ["states", {"counts": [4, 3], "starts": [0, 0], "names": ["a", "b"]}]
-    for change in ({"state": "AAAA"}, {"format": "xcscr.XCS 1"}, {"arguments": [3]}, {"percepts": fewer}):
-        path.write_text(json.dumps(good | change))
-        with pytest.raises(ValueError):
-            xcscr.Plus.load(path)
-    xcscr.XCS(2, n_bits=3).save(path)
-    with pytest.raises(ValueError, match="not a saved xcscr.Plus"):
-        xcscr.Plus.load(path)
 
 
 def test_wrong_arguments_percepts_and_calls_are_refused():

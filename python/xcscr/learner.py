@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import base64
-import json
-import os
-from pathlib import Path
 from typing import Any, Self
 
 import numpy
 
 from ._native import Agent
-from .percepts import Bits, Percepts, Reals, States
+from .percepts import Percepts
 from .rules import XCSRule, frame_of, rules_of
-
-_KINDS: dict[str, type[Percepts]] = {"bits": Bits, "states": States, "reals": Reals}
 
 
 class Learner:
@@ -31,10 +25,6 @@ class Learner:
     def _create(self, percepts: Percepts, *arguments: Any) -> None:
         """Creates an untrained learner."""
         raise NotImplementedError
-
-    @classmethod
-    def _format(cls) -> str:
-        return f"xcscr.{cls.__name__} 1"
 
     @property
     def n_actions(self) -> int:
@@ -120,38 +110,6 @@ class Learner:
     def rules_frame(self) -> Any:
         """Returns a pandas frame with a row for each rule. Raises ImportError without pandas."""
         return frame_of(self.rules())
-
-    def __getstate__(self) -> dict[str, Any]:
-        kind = next(name for name, kind in _KINDS.items() if isinstance(self._percepts, kind))
-        return {
-            "format": self._format(),
-            "percepts": [kind, vars(self._percepts)],
-            "arguments": self._arguments,
-            "episode_returns": self.episode_returns,
-            "state": base64.b64encode(self._agent.state()).decode(),
-        }
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        if state.get("format") != self._format():
-            raise ValueError(f"this is not a saved xcscr.{type(self).__name__}")
-        kind, fields = state["percepts"]
-        self._create(_KINDS[kind](**{key: tuple(value) for key, value in fields.items()}), *state["arguments"])
-        self._agent.restore(base64.b64decode(state["state"]))
-        self.episode_returns = list(state["episode_returns"])
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the learner to a JSON file. A learner read by `load` continues bit for bit."""
-        Path(path).write_text(json.dumps(self.__getstate__()), encoding="utf-8")
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Reads a learner written by `save`. Raises ValueError for any other file."""
-        learner = cls.__new__(cls)
-        try:
-            learner.__setstate__(json.loads(Path(path).read_text(encoding="utf-8")))
-        except (KeyError, TypeError, AttributeError, UnicodeDecodeError, OverflowError) as error:
-            raise ValueError(f"{os.fspath(path)} is not a saved xcscr.{cls.__name__}, or it is damaged") from error
-        return learner
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.n_rules} rules for {self._percepts.width} attributes and {self.n_actions} actions>"

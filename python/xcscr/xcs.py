@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import base64
+import json
+import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, Self, Unpack
 
 import numpy
@@ -11,10 +15,14 @@ from gymnasium import spaces
 from ._native import Agent
 from .learner import Learner
 from .parameters import Parameters, as_json, plain
-from .percepts import Bits, Percepts, Reals, named, of_space
+from .percepts import Bits, Percepts, Reals, States, named, of_space
 
 #: The limits of ternary conditions. Beyond them, each bit gets an interval.
 MOST_BITS, MOST_TERNARY_ACTIONS = 320, 8
+
+#: The format of a saved learner.
+_FORMAT = "xcscr.XCS 1"
+_KINDS: dict[str, type[Percepts]] = {"bits": Bits, "states": States, "reals": Reals}
 
 
 class XCS(Learner):
@@ -106,3 +114,35 @@ class XCS(Learner):
         chosen = self._seed if seed is None else seed
         self._agent.learn_table(rows.tobytes(), answers.astype(numpy.uint8).tobytes(), trials, chosen)
         return self
+
+    def __getstate__(self) -> dict[str, Any]:
+        kind = next(name for name, kind in _KINDS.items() if isinstance(self._percepts, kind))
+        return {
+            "format": _FORMAT,
+            "percepts": [kind, vars(self._percepts)],
+            "arguments": self._arguments,
+            "episode_returns": self.episode_returns,
+            "state": base64.b64encode(self._agent.state()).decode(),
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        if state.get("format") != _FORMAT:
+            raise ValueError("this is not a saved xcscr.XCS")
+        kind, fields = state["percepts"]
+        self._create(_KINDS[kind](**{key: tuple(value) for key, value in fields.items()}), *state["arguments"])
+        self._agent.restore(base64.b64decode(state["state"]))
+        self.episode_returns = list(state["episode_returns"])
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the learner to a JSON file. A learner read by `load` continues bit for bit."""
+        Path(path).write_text(json.dumps(self.__getstate__()), encoding="utf-8")
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Reads a learner written by `save`. Raises ValueError for any other file."""
+        learner = cls.__new__(cls)
+        try:
+            learner.__setstate__(json.loads(Path(path).read_text(encoding="utf-8")))
+        except (KeyError, TypeError, AttributeError, UnicodeDecodeError, OverflowError) as error:
+            raise ValueError(f"{os.fspath(path)} is not a saved xcscr.XCS, or it is damaged") from error
+        return learner

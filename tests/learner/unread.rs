@@ -1,11 +1,10 @@
 //! The table of what reads each setting, against what the program does.
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
-use xcscr::episode::{Episode, Learned, Observer, Step};
+use xcscr::episode::{Observer, Step};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Plan, Resolved, Scope, Settings, Trial};
 
@@ -46,7 +45,7 @@ fn settings(sets: &[String]) -> Option<Settings> {
     Some(resolved.settings)
 }
 
-/// All that is seen of a trial: what is perceived, expected, done and credited in each step, and its episodes.
+/// All that is seen of a trial: what is perceived, expected and done in each step.
 #[derive(Default)]
 struct Seen(String);
 
@@ -63,19 +62,12 @@ impl Observer for Seen {
             percept,
             action,
             outcome,
-            credit,
             view,
             ..
         } = step;
         let now = view.now();
-        self.0 += &format!(
-            "{cell:?} {percept} {values:?} {action:?} {outcome:?} {credit:?} {now:?} {sensed:?}\n"
-        );
-    }
-
-    fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
-        self.0 += &format!("{episode:?}\n");
-        ControlFlow::Continue(())
+        self.0 +=
+            &format!("{cell:?} {percept} {values:?} {action:?} {outcome:?} {now:?} {sensed:?}\n");
     }
 }
 

@@ -1,14 +1,12 @@
 //! Labelled examples: the best actions in a percept, and their value.
 
-use fixedbitset::FixedBitSet;
-use serde::{Deserialize, Serialize};
-
 use super::layout::{Feature, Layout};
 use super::prediction::PredictionArray;
 use super::signal::{Action, ByAction, MAX_ACTIONS, Percept};
+use fixedbitset::FixedBitSet;
 
 /// The label of one percept.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LabelledExample {
     /// The percept.
     pub percept: Percept,
@@ -34,11 +32,7 @@ impl LabelledExample {
 
 /// All examples, by the number assigned to a percept. Also stored in columns, one for each feature of a
 /// percept, so that what sets of examples have in common is counted 64 examples at a time.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-#[serde(
-    into = "Vec<Option<LabelledExample>>",
-    from = "Vec<Option<LabelledExample>>"
-)]
+#[derive(Debug, Clone, Default)]
 pub struct LabelledExamples {
     all: Vec<Option<LabelledExample>>,
     layout: Layout,
@@ -181,25 +175,5 @@ impl LabelledExamples {
     pub(super) fn verdicts(&self, some: &FixedBitSet, action: Action) -> [u32; 2] {
         let right = some.intersection_count(&self.best[action.index()]);
         [right as u32, (some.count_ones(..) - right) as u32]
-    }
-}
-
-impl From<LabelledExamples> for Vec<Option<LabelledExample>> {
-    fn from(labelled_examples: LabelledExamples) -> Self {
-        labelled_examples.all
-    }
-}
-
-impl From<Vec<Option<LabelledExample>>> for LabelledExamples {
-    /// Loads examples that were learned already.
-    fn from(all: Vec<Option<LabelledExample>>) -> Self {
-        let mut labelled_examples = Self::default();
-        for (number, labelled_example) in all.into_iter().enumerate() {
-            labelled_example
-                .into_iter()
-                .for_each(|labelled_example| labelled_examples.give(number, labelled_example));
-        }
-        labelled_examples.changed.clear();
-        labelled_examples
     }
 }

@@ -35,7 +35,7 @@ pub struct Xcs<C: Representation = Condition> {
 /// it bit for bit.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(bound = "C: Representation")]
-pub struct Learned<C: Representation = Condition> {
+pub(crate) struct Learned<C: Representation = Condition> {
     #[serde(with = "saved")]
     population: Population<C>,
     time: u64,
@@ -106,7 +106,7 @@ impl<C: Representation> Xcs<C> {
     }
 
     /// Returns everything that learning has changed so far.
-    pub fn learned(&self) -> Learned<C> {
+    pub(crate) fn learned(&self) -> Learned<C> {
         Learned {
             population: self.population.clone(),
             time: self.time,
@@ -117,7 +117,7 @@ impl<C: Representation> Xcs<C> {
 
     /// Continues from the state of a learner with the same parameters. Returns `false`, and changes
     /// nothing, if the state cannot come from these parameters.
-    pub fn resume(&mut self, learned: Learned<C>) -> bool {
+    pub(crate) fn resume(&mut self, learned: Learned<C>) -> bool {
         let eams = 1.0..=self.eam_at_first();
         let known =
             |rule: &Classifier<C>| rule.action.index() < self.actions && eams.contains(&rule.eam);

@@ -89,7 +89,7 @@ pub use intervals::{
 };
 pub use labelled_examples::{LabelledExample, LabelledExamples};
 pub use layout::Layout;
-pub use learner::{Learned, Xcs};
+pub use learner::Xcs;
 pub use match_index::MatchIndex;
 pub use params::{GaClock, Params, SubsumerTies, UpdateOrder};
 pub use population::{Population, PopulationError};

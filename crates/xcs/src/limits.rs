@@ -1,8 +1,8 @@
 //! Tests with the widest percepts and the largest number of actions.
 
 use crate::{
-    Action, ByAction, Environment, LabelledExample, LabelledExamples, MAX_ACTIONS,
-    MAX_PERCEPT_BITS, Params, Percept, Population, Response, Runner,
+    Action, Environment, MAX_ACTIONS, MAX_PERCEPT_BITS, Params, Percept, Population, Response,
+    Runner,
 };
 
 /// The bits that determine the right action: the first and the last.
@@ -109,25 +109,4 @@ fn one_action_more_is_refused_and_the_message_names_the_bound() {
         error.to_string(),
         format!("`actions` is {given}, but must be from 1 to {last}")
     );
-}
-
-#[test]
-fn labelled_examples_of_all_actions_survive_a_file() {
-    let mut labelled_examples = LabelledExamples::default();
-    for situation in 0..SITUATIONS {
-        let mut best = ByAction::default();
-        best[right(situation).index()] = true;
-        let labelled_example = LabelledExample {
-            percept: percept(situation),
-            best,
-            value: 1.0,
-        };
-        labelled_examples.give(situation, labelled_example);
-    }
-    let bytes = postcard::to_allocvec(&labelled_examples).unwrap();
-    let read: LabelledExamples = postcard::from_bytes(&bytes).unwrap();
-    for situation in 0..SITUATIONS {
-        let best: Vec<Action> = read.get(situation).unwrap().best_actions().collect();
-        assert_eq!(best, [right(situation)]);
-    }
 }

@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn a_checkpoint_keeps_eam_and_an_invalid_one_is_refused() {
+    fn a_saved_state_keeps_eam_and_an_invalid_one_is_refused() {
         let accepted = |mut fresh: Xcs, eam| {
             let memory = postcard::to_allocvec(&adaptive(&[rule("0", 2, eam)]).learned()).unwrap();
             let resumes = fresh.resume(postcard::from_bytes(&memory).unwrap());
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_checkpoint_with_too_few_or_many_eams_is_refused() {
+    fn a_saved_state_with_too_few_or_many_eams_is_refused() {
         let rules = Population::try_from(vec![rule("0", 2, 1.0)]).unwrap();
         let refused = [vec![], vec![1.0, 1.0]].map(|eams| rules.clone().with_eams(&eams).is_none());
         assert_eq!(refused, [true; 2]);

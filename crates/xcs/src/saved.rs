@@ -1,4 +1,4 @@
-//! The checkpoint form of \[P\]: the rules and the eam of each. Rules alone do not store their eam.
+//! The saved form of \[P\]: the rules and the eam of each. Rules alone do not store their eam.
 
 use serde::de::{Deserialize, Deserializer, Error};
 use serde::{Serialize, Serializer};

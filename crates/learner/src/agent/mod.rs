@@ -7,7 +7,7 @@
 //! * `policy/`: distilled rules, a plan, or random exploration.
 //! * `composed/`: `xcscr-plus` and `r-max`, made of an estimator, a model, a planner and a policy.
 //! * `tabular/`: the baselines with a table.
-//! * `knowledge/`: the form of what was learned, its checkpoint, and an agent that only follows it.
+//! * `knowledge/`: the form of what was learned, and an agent that only follows it.
 //!
 //! A folder uses only those above it in the order model, estimator, planner, policy, composed.
 
@@ -28,7 +28,7 @@ pub use estimator::belief::NEGLIGIBLE_PROBABILITY;
 pub use estimator::map::{
     BEGUN_ELSEWHERE, CONTEXT_BITS, MISLOCALISED, Map, MapParams, MotionPrior, PERCEPT_BITS,
 };
-pub use knowledge::{Frozen, Knowledge, Misfit, RestoreError};
+pub use knowledge::{Frozen, Knowledge, Misfit};
 pub use method::{Method, Setup};
 pub use model::pomdp::GOAL;
 pub use model::power::power;
@@ -134,20 +134,4 @@ pub trait Agent {
 
     /// Returns the number of macro-classifiers in \[P\], or of stored pairs of a tabular method.
     fn rule_count(&self) -> usize;
-
-    /// Returns the state that the method retains between episodes, for [`restore`](Self::restore);
-    /// empty by default.
-    fn checkpoint(&self) -> Vec<u8> {
-        Vec::new()
-    }
-
-    /// Returns a method that continues from a [`checkpoint`](Self::checkpoint). `self` must have been created with
-    /// the same settings.
-    ///
-    /// # Errors
-    /// When the checkpoint is damaged, or was made by another method or with other settings; by default, always.
-    fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
-        let _ = saved;
-        Err(RestoreError::Foreign)
-    }
 }

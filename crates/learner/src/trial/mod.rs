@@ -2,7 +2,6 @@
 
 mod advice;
 mod bounds;
-mod checkpoint;
 mod compacted;
 mod demands;
 mod drive;
@@ -26,8 +25,6 @@ use serde::{Deserialize, Serialize};
 
 pub use advice::{Advice, Change as AdvisedChange};
 pub use bounds::{Bounds, Estimate};
-pub use checkpoint::is_sealed;
-pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
 pub use compacted::Compacted;
 pub use demands::words_of_context;
 pub use evaluation::Evaluation;
@@ -88,9 +85,6 @@ pub struct Progress {
     #[serde(default)]
     pub most_rules: usize,
 }
-
-/// An upper limit of simulated time: 36 years, in nanoseconds.
-const LONGEST_NS: u64 = 1 << 60;
 
 impl Progress {
     /// Checks that a trial with this configuration can have these figures.
@@ -198,8 +192,7 @@ impl Trial {
         Self::with_agent(plan, agent)
     }
 
-    /// Like [`new`](Self::new), with a custom agent in place of the plan's method. The trial can be
-    /// resumed from a checkpoint only if the agent supports this; see [`Agent::checkpoint`].
+    /// Like [`new`](Self::new), with a custom agent in place of the plan's method.
     ///
     /// # Errors
     /// When the world or a setting is invalid.
@@ -218,45 +211,6 @@ impl Trial {
             progress: Progress::default(),
             plan,
         })
-    }
-
-    /// Returns a checkpoint of the trial between two episodes.
-    pub fn checkpoint(&self) -> Checkpoint {
-        Checkpoint {
-            config: self.plan.config.clone(),
-            world: self.plan.maze.to_json(),
-            progress: self.progress.clone(),
-            method: self.method.checkpoint(),
-            arena: self.arena.lasting(),
-            exploration: self.explorer.stream().clone(),
-            starts: self.starts.clone(),
-        }
-    }
-
-    /// Restores a trial from a checkpoint. The restored trial continues bit-identically.
-    ///
-    /// # Errors
-    /// When the checkpoint is inconsistent.
-    pub fn resume(saved: &Checkpoint) -> Result<Self, CheckpointError> {
-        let mut trial = Self::new(saved.plan()?)?;
-        let Plan { maze, config } = &trial.plan;
-        trial.method = trial.method.restore(&saved.method)?;
-        let contradiction = |what: &str| CheckpointError::Content(what.to_owned());
-        trial
-            .method
-            .knowledge()
-            .check(config.sensor, maze)
-            .map_err(|misfit| CheckpointError::Content(misfit.to_string()))?;
-        let progress = saved.progress.check(config);
-        progress.map_err(|fault| CheckpointError::Content(fault.to_string()))?;
-        if saved.arena.time_ns > LONGEST_NS {
-            return Err(contradiction("its clock is beyond the end of any trial"));
-        }
-        trial.arena.continue_from(&saved.arena);
-        trial.explorer.resume(saved.exploration.clone());
-        trial.starts = saved.starts.clone();
-        trial.progress = saved.progress.clone();
-        Ok(trial)
     }
 
     /// Returns true if all episodes are done.

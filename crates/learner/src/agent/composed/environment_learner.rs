@@ -13,11 +13,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::agent::Params;
-use crate::agent::knowledge::saved::{self, RestoreError};
 use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::planner::sweeping::PlannedValues;
+use crate::agent::policy::RulePolicy;
 use crate::agent::policy::explorer::exploit;
-use crate::agent::policy::{RulePolicy, RuleState};
 use xcs::bounds::{OutOfRange, within};
 use xcs::random::Stream;
 use xcs::{Action, MAX_ACTIONS, Percept, PredictionArray, Xcs};
@@ -72,7 +71,7 @@ impl EnvironmentParams {
 }
 
 /// What changes in an episode, and the estimates of the learner.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 struct Progress {
     /// Breaks ties between equally good actions.
     stream: Stream,
@@ -86,16 +85,6 @@ struct Progress {
     step: f64,
     /// True once the results of some pair have varied.
     varies: bool,
-}
-
-/// What learning changes.
-#[derive(Serialize, Deserialize)]
-struct State {
-    model: Transitions,
-    known: PlannedValues,
-    optimistic: PlannedValues,
-    rules: RuleState,
-    progress: Progress,
 }
 
 /// Model, plan and rules over the percepts of any environment.
@@ -249,58 +238,6 @@ impl EnvironmentLearner {
     /// Returns the rules.
     pub fn rules(&self) -> &xcs::Population {
         self.rules.xcs().population()
-    }
-
-    /// Returns the percepts met so far.
-    pub fn percepts(&self) -> &[Percept] {
-        self.model.percepts()
-    }
-
-    /// Returns the learned state, from which a learner with the same arguments continues exactly.
-    pub fn checkpoint(&self) -> Vec<u8> {
-        saved::bytes_of(&State {
-            model: self.model.clone(),
-            known: self.known.clone(),
-            optimistic: self.optimistic.clone(),
-            rules: self.rules.state(),
-            progress: self.progress.clone(),
-        })
-    }
-
-    /// Continues from the state of a learner with the same arguments.
-    ///
-    /// # Errors
-    /// The state is damaged, or is from a learner with other arguments. Then nothing changes.
-    pub fn restore(&mut self, saved: &[u8]) -> Result<(), RestoreError> {
-        let state: State = saved::read(saved)?;
-        let mut other = self.clone();
-        (other.model, other.progress) = (state.model, state.progress);
-        other.require();
-        other.assume();
-        other.known = state.known.resumed(&other.known, &other.model);
-        other.optimistic = state.optimistic.resumed(&other.optimistic, &other.model);
-        let fits = other.is_valid() && other.rules.resume(state.rules, other.model.percepts());
-        if !fits {
-            return Err(RestoreError::Foreign);
-        }
-        *self = other;
-        Ok(())
-    }
-
-    /// Returns true if model and progress can come from a learner.
-    fn is_valid(&self) -> bool {
-        let is_reward = |value: &f64| value.abs() <= GREATEST_REWARD;
-        let (progress, model) = (&self.progress, &self.model);
-        let mut plans = [&self.known, &self.optimistic].into_iter();
-        model.is_valid()
-            && plans.all(|plan| plan.is_valid(model))
-            && progress.rewards.iter().all(is_reward)
-            && progress.best_seen.is_none_or(f64::is_finite)
-            && is_reward(&progress.step)
-            && progress.step <= 0.0
-            && progress.waiting.is_none_or(|(percept, action)| {
-                model.number_of(&percept).is_some() && action.index() < self.actions
-            })
     }
 
     /// Returns the number of a percept, and adds it if it is new.

@@ -6,8 +6,6 @@
 //! rules are distilled from the simulated decisions and from those made while driving ([`Distillation`]).
 //! Frontier exploration ([`LocalMap`]) takes whole episodes, with decreasing frequency.
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::estimator::aliasing::Aliasing;
 use crate::agent::estimator::map::map_set::MapSet;
 use crate::agent::estimator::map::robot_model::MapStep;
@@ -49,9 +47,9 @@ pub struct MapLearner {
     percept: Option<Percept>,
 }
 
-/// What learning changes. It is saved as it is.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Learned {
+/// What learning changes.
+#[derive(Debug, Clone)]
+struct Learned {
     maps: MapSet,
     /// Evidence from the time before the first map.
     aliasing: Aliasing,
@@ -64,16 +62,6 @@ pub struct Learned {
     /// True if the plan has changed since the rules were last corrected, or if the rules were wrong.
     stale: bool,
     local: LocalMap,
-}
-
-impl Learned {
-    /// Returns true if this is a valid state for this number of actions.
-    fn is_valid(&self, actions: usize) -> bool {
-        let mut rules = self.rules.iter();
-        self.maps.is_valid(actions)
-            && self.local.is_valid()
-            && rules.all(|rules| rules.is_valid(actions))
-    }
 }
 
 impl MapLearner {
@@ -226,24 +214,6 @@ impl MapLearner {
             steps.map(|(percept, action, outcome)| self.map_step(percept, *action, *outcome));
         let steps: Vec<MapStep> = steps.collect();
         self.learned.maps.notices_noise(&steps)
-    }
-
-    /// Returns the learned state.
-    pub fn state(&self) -> Learned {
-        self.learned.clone()
-    }
-
-    /// Continues from a state; `None` if it is damaged, or was made with other settings.
-    pub fn resumed(mut self, mut learned: Learned) -> Option<Self> {
-        let same_policy = learned.rules.is_some() == self.learned.rules.is_some();
-        if !(same_policy && learned.is_valid(self.actions)) {
-            return None;
-        }
-        learned.maps = learned.maps.with_settings_of(&self.learned.maps);
-        self.map = learned.maps.map(&self.params);
-        self.learned = learned;
-        let fits = self.learned.planner.belongs_to(&self.map.pomdp);
-        fits.then_some(self)
     }
 }
 

@@ -19,11 +19,8 @@ pub use map_learner::MapLearner;
 pub use params::PlusParams;
 pub use percept_learner::PerceptLearner;
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::estimator::Estimator;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::knowledge::saved::{RestoreError, Saved};
 use crate::agent::policy::explorer::Explorer;
 use crate::agent::{Agent, Choice, EndCredit, StepCredit};
 use xcs::{Action, Percept, PredictionArray};
@@ -191,58 +188,5 @@ impl Agent for Composed {
 
     fn rule_count(&self) -> usize {
         self.learner().rule_count()
-    }
-
-    fn checkpoint(&self) -> Vec<u8> {
-        self.saved()
-    }
-
-    fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
-        self.read(saved)
-    }
-}
-
-/// What learning changes: the state of the current learner, and that of a waiting map learner.
-#[derive(Serialize, Deserialize)]
-pub enum State {
-    Percept(
-        Box<percept_learner::State>,
-        Option<Box<map_learner::Learned>>,
-    ),
-    Map(Box<map_learner::Learned>),
-}
-
-impl Saved for Composed {
-    type State = State;
-
-    fn state(&self) -> State {
-        match &self.current {
-            Current::Percept(learner, waiting) => {
-                let waiting = waiting.as_ref().map(|map| Box::new(map.state()));
-                State::Percept(Box::new(learner.state()), waiting)
-            }
-            Current::Map(learner) => State::Map(Box::new(learner.state())),
-        }
-    }
-
-    fn resumed(mut self, state: State) -> Option<Self> {
-        if matches!(state, State::Map(_)) {
-            self.change_to_map();
-        }
-        self.current = match (self.current, state) {
-            (Current::Percept(learner, waiting), State::Percept(percept, map)) => {
-                let waiting = match (waiting, map) {
-                    (Some(waiting), Some(map)) => Some(Box::new(waiting.resumed(*map)?)),
-                    (None, None) => None,
-                    _ => return None,
-                };
-                Current::Percept(Box::new(learner.resumed(*percept)?), waiting)
-            }
-            (Current::Map(learner), State::Map(map)) => {
-                Current::Map(Box::new(learner.resumed(*map)?))
-            }
-            _ => return None,
-        };
-        Some(self)
     }
 }

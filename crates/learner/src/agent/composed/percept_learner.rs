@@ -11,8 +11,6 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::knowledge::Knowledge;
 use crate::agent::model::Generalisation;
 use crate::agent::model::collision_rules::CollisionRules;
@@ -20,7 +18,7 @@ use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::planner::exploration::{Exploration, Inputs};
 use crate::agent::planner::sweeping::PlannedValues;
 use crate::agent::policy::explorer::Explorer;
-use crate::agent::policy::{PolicyKind, RulePolicy, RuleState};
+use crate::agent::policy::{PolicyKind, RulePolicy};
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Params, PlusParams, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Layout, Percept, PredictionArray, Xcs};
@@ -46,17 +44,6 @@ pub struct PerceptLearner {
     present: Option<(Percept, usize)>,
     /// The next step of exploration; `None` if the policy decides.
     heading: Option<Action>,
-}
-
-/// What learning changes.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct State {
-    model: Transitions,
-    known: PlannedValues,
-    rules: Option<RuleState>,
-    collisions: CollisionRules,
-    exploration: Exploration,
-    stream: Stream,
 }
 
 /// A step of the episode.
@@ -132,35 +119,6 @@ impl PerceptLearner {
         let rows = self.model.sorted();
         rows.filter_map(|(percept, number)| Some((*percept, row(number)?)))
             .collect()
-    }
-
-    /// Returns the learned state.
-    pub fn state(&self) -> State {
-        State {
-            model: self.model.clone(),
-            known: self.known.clone(),
-            rules: self.rules.as_ref().map(RulePolicy::state),
-            collisions: self.collisions.clone(),
-            exploration: self.exploration.clone(),
-            stream: self.stream.clone(),
-        }
-    }
-
-    /// Continues from a state; `None` if it is damaged, or was made with other settings.
-    pub fn resumed(mut self, state: State) -> Option<Self> {
-        self.known = state.known.resumed(&self.known, &state.model);
-        self.collisions = state.collisions.with_settings_of(&self.collisions);
-        self.exploration = state.exploration.with_settings_of(&self.exploration);
-        (self.model, self.stream) = (state.model, state.stream);
-        let policy = match (&mut self.rules, state.rules) {
-            (Some(own), Some(rules)) => own.resume(rules, self.model.percepts()),
-            (own, rules) => own.is_none() && rules.is_none(),
-        };
-        let fits = policy
-            && self.model.is_valid()
-            && self.known.is_valid(&self.model)
-            && self.collisions.is_valid();
-        fits.then_some(self)
     }
 
     /// Learns from the last step, given the next percept.

@@ -7,9 +7,7 @@
 //! 3. [`imprinting`](crate::agent::credit::imprinting): after a failure, one of the best policies so far is replayed;
 //! 4. [`step_threshold`](crate::agent::credit::step_threshold): the time allowed shrinks toward the best policy.
 
-use serde::{Deserialize, Serialize};
-
-use crate::agent::credit::experts::{self, Experts};
+use crate::agent::credit::experts::Experts;
 use crate::agent::credit::imprinting::{self, Imprinting, Policy, ReplayedStep};
 use crate::agent::credit::learning_rate::LearningRate;
 use crate::agent::credit::short_term_filter::ShortTermFilter;
@@ -19,11 +17,10 @@ use crate::agent::credit::params::Params;
 use crate::agent::credit::stack::{RewardStack, Shares};
 use crate::agent::credit::step_credit;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::knowledge::saved::{RestoreError, Saved};
 use crate::agent::{Agent, EndCredit, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Percept};
-use xcs::{Learned, MatchSet, PredictionArray, Xcs};
+use xcs::{MatchSet, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
 
 /// The method `xcscr` (paper, section III and figure 1.c). With all four mechanisms switched off it
@@ -44,16 +41,6 @@ pub struct Combined {
     step_threshold: StepThreshold,
     /// The sum of the auxiliary rewards of this episode, shared out with r_l at its end.
     found: f64,
-}
-
-/// What learning changes.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct State {
-    xcs: Learned,
-    shortest: usize,
-    imprinting: imprinting::State,
-    step_threshold: f64,
-    experts: Option<experts::State>,
 }
 
 impl Combined {
@@ -168,37 +155,6 @@ impl Agent for Combined {
 
     fn rule_count(&self) -> usize {
         self.xcs.population().len()
-    }
-
-    fn checkpoint(&self) -> Vec<u8> {
-        self.saved()
-    }
-
-    fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
-        self.read(saved)
-    }
-}
-
-impl Saved for Combined {
-    type State = State;
-
-    fn state(&self) -> State {
-        State {
-            xcs: self.xcs.learned(),
-            shortest: self.shortest,
-            imprinting: self.imprinting.state(),
-            step_threshold: self.step_threshold.state(),
-            experts: self.experts.as_ref().map(Experts::state),
-        }
-    }
-
-    fn resumed(mut self, state: State) -> Option<Self> {
-        self.shortest = state.shortest;
-        let fits = self.xcs.resume(state.xcs)
-            && self.imprinting.resume(state.imprinting)
-            && self.step_threshold.resume(state.step_threshold)
-            && experts::resume(&mut self.experts, state.experts);
-        fits.then_some(self)
     }
 }
 

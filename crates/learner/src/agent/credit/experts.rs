@@ -6,11 +6,9 @@
 //! goal. The *behaviour cloner* learns the values of the steps of the best policies. Its rules
 //! generalise, so it also advises on the path on which the robot failed.
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::credit::imprinting::{Imprinting, Policy, ReplayedStep};
 use xcs::random::Stream;
-use xcs::{self, Action, Learned, MatchSet, Percept, PredictionArray, Xcs};
+use xcs::{self, Action, MatchSet, Percept, PredictionArray, Xcs};
 
 /// The maximum number of policies among which the policy selector chooses.
 const MOST_POLICIES: usize = 4;
@@ -28,21 +26,13 @@ pub(super) struct Experts {
 }
 
 /// The learned state of the experts besides their rules.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 struct Choices {
     stream: Stream,
     /// The percept and policy of the policy selector's last choice, until it is rewarded.
     chosen: Option<(Percept, Action)>,
     /// The least share of the reward that any step of the best policies received.
     least_share: f64,
-}
-
-/// What learning changes.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct State {
-    policy_selector: Learned,
-    behaviour_cloner: Learned,
-    choices: Choices,
 }
 
 impl Experts {
@@ -168,35 +158,6 @@ impl Experts {
             );
         }
         advice
-    }
-
-    /// Returns the learned state.
-    pub fn state(&self) -> State {
-        State {
-            policy_selector: self.policy_selector.learned(),
-            behaviour_cloner: self.behaviour_cloner.learned(),
-            choices: self.choices.clone(),
-        }
-    }
-
-    /// Resumes from a learned state; `false` if the state is damaged.
-    fn resume(&mut self, state: State) -> bool {
-        let mut chosen = state.choices.chosen.iter();
-        let valid = chosen.all(|(_, action)| action.index() < MOST_POLICIES)
-            && state.choices.least_share >= 0.0;
-        self.choices = state.choices;
-        valid
-            && self.policy_selector.resume(state.policy_selector)
-            && self.behaviour_cloner.resume(state.behaviour_cloner)
-    }
-}
-
-/// Resumes the experts, if any, from a learned state; `false` if the state is damaged or does not
-/// fit.
-pub(super) fn resume(experts: &mut Option<Experts>, state: Option<State>) -> bool {
-    match (experts, state) {
-        (Some(experts), Some(state)) => experts.resume(state),
-        (experts, state) => experts.is_none() && state.is_none(),
     }
 }
 

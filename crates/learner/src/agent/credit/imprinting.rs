@@ -1,7 +1,5 @@
 //! The imprinting mechanism (Alg. 2 to 4).
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::credit::params::Params;
 use crate::agent::credit::stack::Shares;
 use xcs::Xcs;
@@ -41,13 +39,6 @@ pub(super) struct Imprinting {
     stream: Stream,
 }
 
-/// The state that learning changes: \[PS\], and the random stream.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct State {
-    policies: Vec<Policy>,
-    stream: Stream,
-}
-
 impl Imprinting {
     pub fn new(params: &Params, stream: Stream) -> Self {
         Self {
@@ -56,18 +47,6 @@ impl Imprinting {
             policies: Vec::new(),
             stream,
         }
-    }
-
-    /// Returns the learned state.
-    pub fn state(&self) -> State {
-        let (policies, stream) = (self.policies.clone(), self.stream.clone());
-        State { policies, stream }
-    }
-
-    /// Resumes from a learned state; `false` if the state is damaged.
-    pub fn resume(&mut self, State { policies, stream }: State) -> bool {
-        (self.policies, self.stream) = (policies, stream);
-        self.policies.iter().all(|policy| !policy.is_empty())
     }
 
     /// Alg. 2: a success updates \[PS\]. After a failure, returns one of its policies to replay,

@@ -3,11 +3,10 @@
 use crate::agent::credit::params::{Params, StepLimitUpdate, XcsPayment};
 use crate::agent::credit::step_credit;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::knowledge::saved::{RestoreError, Saved};
 use crate::agent::policy::explorer::Explorer;
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit};
 use xcs::{Action, Percept};
-use xcs::{ActionSet, Learned, MatchSet, PredictionArray, Xcs};
+use xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
 
 /// The methods `xcs` and, with an adaptive mapping, `xcsam`. The previous \[A\] is updated with its
@@ -132,25 +131,5 @@ impl Agent for Standard {
 
     fn rule_count(&self) -> usize {
         self.xcs.population().len()
-    }
-
-    fn checkpoint(&self) -> Vec<u8> {
-        self.saved()
-    }
-
-    fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
-        self.read(saved)
-    }
-}
-
-impl Saved for Standard {
-    type State = Learned;
-
-    fn state(&self) -> Learned {
-        self.xcs.learned()
-    }
-
-    fn resumed(mut self, state: Learned) -> Option<Self> {
-        self.xcs.resume(state).then_some(self)
     }
 }

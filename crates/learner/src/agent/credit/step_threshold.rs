@@ -19,18 +19,6 @@ impl StepThreshold {
         }
     }
 
-    /// Returns the learned threshold.
-    pub fn state(&self) -> f64 {
-        self.threshold
-    }
-
-    /// Resumes from a learned threshold; `false` if it is below 1 or above the initial one.
-    pub fn resume(&mut self, threshold: f64) -> bool {
-        let fits = (1.0..=self.threshold).contains(&threshold);
-        self.threshold = threshold;
-        fits
-    }
-
     /// Returns the threshold in whole steps, rounded down.
     pub fn steps(&self) -> u32 {
         self.threshold as u32

@@ -1,10 +1,8 @@
-//! Learned knowledge, its checkpoints, and an agent that follows it without learning.
+//! Learned knowledge, and an agent that follows it without learning.
 
 mod frozen;
-pub(super) mod saved;
 
 pub use frozen::Frozen;
-pub use saved::RestoreError;
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::model::power::power;
 use crate::agent::model::tally::{Tally, verdict};
 use xcs::{Condition, Layout, Percept};
@@ -15,7 +13,7 @@ const EMPHASIS: u32 = 8;
 const WIDEST_FOR_PAIRS: usize = 64;
 
 /// A condition that may predict a collision.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::agent) struct Candidate {
     pub condition: Condition,
     /// All evidence for and against it, here and in earlier worlds.
@@ -23,7 +21,7 @@ pub(in crate::agent) struct Candidate {
 }
 
 /// The collision model of one action, or of all actions in a common frame.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default)]
 pub(in crate::agent) struct CollisionCandidates {
     /// By percept, how often the action bumped (hits) and moved (misses).
     evidence: BTreeMap<Percept, Tally>,
@@ -43,13 +41,6 @@ impl CollisionCandidates {
     /// Adds a candidate from another world.
     pub fn warm_start(&mut self, condition: Condition, tally: Tally) {
         self.candidates.push(Candidate { condition, tally });
-    }
-
-    /// Returns true if the counts of a model read from a file leave room for more.
-    pub fn is_valid(&self) -> bool {
-        let evidence = self.evidence.values().all(|tally| tally.is_valid());
-        let mut candidates = self.candidates.iter();
-        evidence && candidates.all(|c| c.tally.is_valid())
     }
 
     /// Learns that the action bumped or moved in a percept with this layout. Returns true if a forecast

@@ -13,8 +13,6 @@
 //! hold for every other one after a rotation (rotational symmetry). Such rules compete with those of each
 //! action. Where they do not hold, moves soon refute them.
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::model::CollisionRule;
 use crate::agent::model::collision_candidates::CollisionCandidates;
 use crate::agent::model::power::power;
@@ -26,18 +24,14 @@ use xcs::{Action, ByAction, Layout, Percept};
 const CERTAIN: f64 = 0.5;
 
 /// The rules for all actions.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(in crate::agent) struct CollisionRules {
-    #[serde(skip)]
     count: usize,
     /// The number of bits of the percept that form a ring around the robot; 0 if none do.
-    #[serde(skip)]
     ring: usize,
     /// The layout of percepts. A rule requires exact values of numbers.
-    #[serde(skip)]
     layout: Layout,
     /// The exponent applied to a forecast.
-    #[serde(skip)]
     certainty: u32,
     /// Rules for single actions.
     actions: ByAction<CollisionCandidates>,
@@ -70,22 +64,6 @@ impl CollisionRules {
             let (hits, misses) = (rule.hits, rule.misses);
             candidates.warm_start(rule.condition, Tally { hits, misses });
         }
-    }
-
-    /// Returns the rule set with the settings of another.
-    pub fn with_settings_of(self, other: &Self) -> Self {
-        Self {
-            actions: self.actions,
-            rotated: self.rotated,
-            layout: other.layout.clone(),
-            ..*other
-        }
-    }
-
-    /// Returns true if the counts leave room for more.
-    pub fn is_valid(&self) -> bool {
-        let mut all = self.actions.iter().chain([&self.rotated]);
-        all.all(CollisionCandidates::is_valid)
     }
 
     /// Learns that an action bumped or moved. Returns true if a forecast may change.

@@ -3,8 +3,6 @@
 //! An example is "an action is undone by the one half a turn further". Whether such a rule holds, and for
 //! which turn, is estimated from counts. Where it holds, the way back need not be tried in every cell.
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::model::InverseActionRule;
 use crate::agent::model::slips::Slips;
 use crate::agent::model::tally::Tally;
@@ -17,14 +15,12 @@ const LEAST_HITS: u32 = 2;
 const LEAST_ACCURACY: f64 = 0.9;
 
 /// For each turn from one action to the next, how often it led back.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(in crate::agent) struct InverseActionRules {
-    #[serde(skip)]
     actions: usize,
     /// By turn: how often it led back (hits), and how often elsewhere (misses).
     counts: ByAction<Tally>,
     /// The least share of successes of a rule that is used.
-    #[serde(skip)]
     least_accuracy: f64,
 }
 
@@ -49,18 +45,6 @@ impl InverseActionRules {
     /// Lowers the required accuracy to allow for slips on the way there and on the way back.
     pub fn allow(&mut self, slips: Slips) {
         self.least_accuracy = LEAST_ACCURACY * slips.intended() * slips.intended();
-    }
-
-    /// Returns the learned counts of this set for `actions` actions and these slips.
-    pub fn resumed(self, actions: usize, slips: Slips) -> Self {
-        let mut resumed = Self { actions, ..self };
-        resumed.allow(slips);
-        resumed
-    }
-
-    /// Returns true if the counts leave room for more.
-    pub fn is_valid(&self) -> bool {
-        self.counts.iter().all(|tally| tally.is_valid())
     }
 
     /// Learns whether `next`, executed right after a move by `first`, led back. Returns true if the set

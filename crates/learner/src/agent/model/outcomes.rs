@@ -1,12 +1,10 @@
 //! The outcomes of a pair of percept and action, and their interpretation.
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::model::slips::{Evidence, Slips};
 use xcs::random::Stream;
 
 /// An outcome of a pair: the reward, the number of the next percept (`None` at a goal), and its count.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     pub reward: f64,
     pub next: Option<usize>,
@@ -17,14 +15,14 @@ pub struct Outcome {
 const MANY: u32 = 20;
 
 /// All outcomes of one pair.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default)]
 pub struct Outcomes {
     all: Vec<Outcome>,
     pub(super) leads_to: Leads,
 }
 
 /// Where a pair leads unless it slips; `Unknown` if no moves slip.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) enum Leads {
     #[default]
     Unknown,
@@ -150,17 +148,6 @@ impl Outcomes {
             .next
             .filter(|&next| next != percept && likeliest.reward >= step)?;
         Some((next, f64::from(likeliest.count) / f64::from(self.tries())))
-    }
-
-    /// Returns true if the counts leave room for more and the numbers refer to one of `met` percepts.
-    pub(super) fn is_valid(&self, met: usize, slips: Slips) -> bool {
-        let known = |o: &Outcome| {
-            o.reward.is_finite() && o.next.is_none_or(|next| next < met) && o.count > 0
-        };
-        let tries: u64 = self.all.iter().map(|o| u64::from(o.count)).sum();
-        self.all.iter().all(known)
-            && self.leads_to == self.believed(slips)
-            && tries <= u64::from(u32::MAX / 2)
     }
 
     /// Counts an outcome. Returns true if it is new or if there are several outcomes.

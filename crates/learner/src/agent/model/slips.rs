@@ -3,8 +3,6 @@
 //! A slip has the effect of another action. So the most frequent outcome of a pair is its effect, and the
 //! rarer outcomes show how often moves slip. This is one number, estimated from all pairs.
 
-use serde::{Deserialize, Serialize};
-
 use xcscr_robot::world::each_other;
 
 /// Moves slip if pairs that bump have also moved, or vice versa, at least this often and in this share of
@@ -22,7 +20,7 @@ const DEVIATIONS: f64 = 4.0;
 const SAME: f64 = 0.1;
 
 /// The share of moves that slip.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Slips {
     share: f64,
 }
@@ -113,11 +111,6 @@ impl Slips {
     pub fn is_like(self, other: Self) -> bool {
         self.any() == other.any()
             && (self.share - other.share).abs() <= SAME * self.share.max(other.share)
-    }
-
-    /// Returns true if the estimate is valid.
-    pub fn is_valid(self) -> bool {
-        (0.0..=1.0).contains(&self.share)
     }
 }
 

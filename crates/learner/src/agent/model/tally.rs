@@ -1,14 +1,9 @@
 //! Counts of evidence for and against a collision.
 
-use serde::{Deserialize, Serialize};
-
 /// The least share of correct forecasts of a candidate.
 const LEAST_ACCURACY: f64 = 0.9;
-/// The maximum count in files, which leaves room for further counting.
-const MOST_COUNTED: u32 = u32::MAX / 4;
-
 /// The numbers of percepts in which an action bumped, and in which it moved.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(in crate::agent) struct Tally {
     pub hits: u32,
     pub misses: u32,
@@ -34,10 +29,6 @@ impl Tally {
             Some(false) => self.misses = self.misses.saturating_sub(1),
             None => {}
         }
-    }
-
-    pub fn is_valid(self) -> bool {
-        self.hits <= MOST_COUNTED && self.misses <= MOST_COUNTED
     }
 }
 

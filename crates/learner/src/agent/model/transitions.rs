@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::model::outcomes::{Leads, Outcome, Outcomes, mean};
 use crate::agent::model::slips::{Evidence, Slips};
 use xcs::random::Stream;
@@ -20,7 +18,7 @@ pub struct Transition {
 }
 
 /// All percepts, numbered in order of their first appearance, and the outcomes of their pairs.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default)]
 pub struct Transitions {
     numbers: BTreeMap<Percept, usize>,
     percepts: Vec<Percept>,
@@ -30,7 +28,6 @@ pub struct Transitions {
     slips: Slips,
     /// The tries after the first one that make a pair known if no moves slip. A setting, not
     /// learned.
-    #[serde(skip)]
     further_tries: u32,
 }
 
@@ -49,23 +46,6 @@ impl Transitions {
     /// Returns the number of a percept; `None` if it never appeared.
     pub fn number_of(&self, percept: &Percept) -> Option<usize> {
         self.numbers.get(percept).copied()
-    }
-
-    /// Returns true if all numbers of a model read from a file are valid.
-    pub fn is_valid(&self) -> bool {
-        let met = self.percepts.len();
-        let named =
-            |(percept, &number): (&Percept, &usize)| self.percepts.get(number) == Some(percept);
-        let tried = |&(percept, action): &(usize, Action)| {
-            percept < met && self.outcomes(percept, action).tries() > 0
-        };
-        let mut outcomes = self.pairs.iter().flat_map(|pairs| pairs.iter());
-        self.slips.is_valid()
-            && self.pairs.len() == met
-            && self.numbers.len() == met
-            && self.numbers.iter().all(named)
-            && outcomes.all(|outcomes| outcomes.is_valid(met, self.slips))
-            && self.tried.iter().all(tried)
     }
 
     /// Returns the known percepts in sorted order, each with its number.
@@ -290,7 +270,6 @@ mod tests {
         let next = model.next(0, east).map(|next| model.percepts()[next]);
         assert_eq!(next, Some(Percept::from_word(1, 2)));
         assert!(!model.update_slips(-1.0), "no more news");
-        assert!(model.is_valid());
     }
 
     #[test]

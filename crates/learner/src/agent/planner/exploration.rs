@@ -7,8 +7,6 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::credit::params::Params;
 use crate::agent::model::collision_rules::CollisionRules;
 use crate::agent::model::transitions::Transitions;
@@ -31,20 +29,15 @@ pub(in crate::agent) struct Inputs<'a> {
 /// Searches forward from the present percept. An untried action is assumed to lead straight to the
 /// goal, unless a collision or a return is predicted. The path found is followed until something
 /// new is learned.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(in crate::agent) struct Exploration {
-    #[serde(skip)]
     actions: usize,
     /// The optimistic value of an untried action above the floor, and the value of an action that
     /// collides. A certain collision is never worth trying.
-    #[serde(skip)]
     goal: f64,
-    #[serde(skip)]
     collision: f64,
-    #[serde(skip)]
     step: f64,
     /// The rest of the path, next step last.
-    #[serde(skip)]
     path: Vec<(usize, Action)>,
     /// counts changes of the model that may change an optimistic value, from 1.
     version: u64,
@@ -52,9 +45,7 @@ pub(in crate::agent) struct Exploration {
     exhausted: Vec<u64>,
     /// By percept: the optimistic values of its untried actions, and the version that they were
     /// computed in.
-    #[serde(skip)]
     forecasts: Vec<(u64, [f64; MAX_ACTIONS])>,
-    #[serde(skip)]
     search: Search,
 }
 
@@ -91,15 +82,6 @@ impl Exploration {
             exhausted: Vec::new(),
             forecasts: Vec::new(),
             search: Search::default(),
-        }
-    }
-
-    /// Returns the exploration with the settings of another.
-    pub fn with_settings_of(self, other: &Self) -> Self {
-        Self {
-            version: self.version,
-            exhausted: self.exhausted,
-            ..other.clone()
         }
     }
 

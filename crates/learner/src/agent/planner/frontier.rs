@@ -75,12 +75,6 @@ impl LocalMap {
         (self.here, self.around) = (Place::ORIGIN, None);
     }
 
-    /// Returns true if the map is valid.
-    pub fn is_valid(&self) -> bool {
-        let mut visited = self.visited.iter();
-        self.cell_map.is_valid() && visited.all(|place| place.reach() <= FURTHEST)
-    }
-
     /// Returns an action whose outcome here is unknown. If there is none, returns the first action toward the nearest
     /// unvisited goal or free cell. If there is none either, returns any action. Ties are broken at random. With
     /// `passes_goals`, goals count only if nothing else is reachable.

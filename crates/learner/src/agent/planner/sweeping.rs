@@ -9,8 +9,6 @@ mod decisions;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::credit::params::Params;
 use crate::agent::model::InverseActionRule;
 use crate::agent::model::inverse_action_rules::InverseActionRules;
@@ -56,16 +54,12 @@ const MOST_ENTRIES: usize = 4;
 /// Values are relative to the value of walking for ever, `step / (1 - gamma)`. A value is then
 /// `gamma` to the power of the steps to the goal, times a constant. It stays exact thousands of
 /// steps away, and 0 means that no path is known.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(in crate::agent) struct PlannedValues {
-    #[serde(skip)]
     actions: usize,
-    #[serde(skip)]
     gamma: f64,
-    #[serde(skip)]
     step: f64,
     /// The value of an unknown pair above the floor; `None` if plans use known pairs only.
-    #[serde(skip)]
     unknown: Option<f64>,
     /// By the number of the percept.
     values: Vec<f64>,
@@ -97,37 +91,6 @@ impl PlannedValues {
             stale: Vec::new(),
             touched: Vec::new(),
         }
-    }
-
-    /// Returns the learned values with the settings of `other`, which include the rewards that it assumes.
-    pub fn resumed(self, other: &Self, model: &Transitions) -> Self {
-        let returns = self.returns.resumed(other.actions, model.slips());
-        Self {
-            actions: other.actions,
-            gamma: other.gamma,
-            step: other.step,
-            unknown: other.unknown,
-            returns,
-            ..self
-        }
-    }
-
-    /// Returns true if the values fit the percepts of `model`, and all counts are valid.
-    pub fn is_valid(&self, model: &Transitions) -> bool {
-        let known = self.values.len();
-        let mut pairs = self.before.iter().flatten();
-        let waiting = self.queue.iter().map(|&(_, Reverse(percept))| percept);
-        known <= model.percepts().len()
-            && [self.before.len(), self.stale.len()] == [known; 2]
-            && self
-                .values
-                .iter()
-                .all(|value| (0.0..f64::INFINITY).contains(value))
-            && pairs.all(|&(percept, action)| percept < known && action.index() < self.actions)
-            && waiting
-                .chain(self.touched.iter().copied())
-                .all(|percept| percept < known)
-            && self.returns.is_valid()
     }
 
     /// Sets the reward of a step, and the value of unknown pairs above the floor. With a value, all values are

@@ -7,7 +7,6 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::estimator::map::hypothesis::is_count;
 use crate::agent::estimator::map::state_map::Map;
 use crate::agent::estimator::map::tracker::{Felt, Tracker};
 use crate::agent::model::pomdp::GOAL;
@@ -24,11 +23,6 @@ pub struct Example {
 }
 
 impl Example {
-    /// Returns true if the aggregate is valid.
-    pub fn is_valid(&self) -> bool {
-        self.weight >= 1.0 && is_count(&self.weight) && !self.costs.iter().any(|cost| cost.is_nan())
-    }
-
     /// Adds one more occurrence of the context, with the costs of its actions.
     pub fn add(&mut self, costs: &Costs, map: &Map) {
         self.weight += 1.0;

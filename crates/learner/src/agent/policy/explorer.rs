@@ -20,16 +20,6 @@ impl Explorer {
         }
     }
 
-    /// Returns the random stream.
-    pub fn stream(&self) -> &Stream {
-        &self.stream
-    }
-
-    /// Replaces the random stream.
-    pub fn resume(&mut self, stream: Stream) {
-        self.stream = stream;
-    }
-
     /// Sets the probability of exploring.
     pub fn set_probability(&mut self, probability: f64) {
         self.probability = probability;

@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 use crate::agent::StepCredit;
 use crate::agent::credit::credit_of_rules;
 use crate::agent::estimator::map::Map;
-use crate::agent::estimator::map::tracker::{CONTEXT_BITS, Tracker, View};
+use crate::agent::estimator::map::tracker::{Tracker, View};
 use crate::agent::planner::rtdp_bel::BeliefPlanner;
 use crate::agent::policy::distillation::Distillation;
 use crate::agent::policy::examples::Examples;
 use xcs::random::Stream;
-use xcs::{Action, Classifier, Percept, Population, PredictionArray};
+use xcs::{Action, Percept, Population, PredictionArray};
 
 /// The maximum number of contexts stored while driving.
 const MOST_MET: usize = 4096;
@@ -31,16 +31,6 @@ impl MapRules {
     pub fn start_from(rules: &Population) -> Self {
         let (rules, met) = (rules.without_records(), Examples::new());
         Self { rules, met }
-    }
-
-    /// Returns true if rules and contexts are valid for this number of actions.
-    pub fn is_valid(&self, actions: usize) -> bool {
-        let fits = |rule: &Classifier| {
-            rule.condition.width() == CONTEXT_BITS && rule.action.index() < actions
-        };
-        let mut met = self.met.iter();
-        met.all(|(context, met)| context.width() == CONTEXT_BITS && met.is_valid())
-            && self.rules.rules().iter().all(fits)
     }
 
     /// Returns the rules.

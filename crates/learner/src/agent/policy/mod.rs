@@ -11,7 +11,7 @@ pub mod plan;
 pub mod rollouts;
 mod rules;
 
-pub(super) use rules::{RulePolicy, RuleState};
+pub(super) use rules::RulePolicy;
 
 /// The policy that exploits the plan. It is the only difference between `xcscr-plus` and `r-max`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

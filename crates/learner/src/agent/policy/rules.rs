@@ -1,11 +1,9 @@
 //! A rule policy: the decisions of a plan, distilled by sequential covering (CN2, Clark and Niblett 1989).
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::StepCredit;
 use crate::agent::credit::step_credit;
 use xcs::{
-    Action, Induction, LabelledExample, LabelledExamples, Layout, Learned, MatchSet, Percept,
+    Action, Induction, LabelledExample, LabelledExamples, Layout, MatchSet, Percept,
     PredictionArray, Xcs,
 };
 
@@ -14,16 +12,8 @@ use xcs::{
 pub struct RulePolicy {
     xcs: Xcs,
     match_set: MatchSet,
-    layout: Layout,
     examples: LabelledExamples,
     induction: Induction,
-}
-
-/// What learning changes.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct RuleState {
-    rules: Learned,
-    examples: LabelledExamples,
 }
 
 impl RulePolicy {
@@ -32,8 +22,7 @@ impl RulePolicy {
         Self {
             xcs,
             match_set: MatchSet::default(),
-            examples: LabelledExamples::default().with_layout(layout.clone()),
-            layout,
+            examples: LabelledExamples::default().with_layout(layout),
             induction: Induction::default(),
         }
     }
@@ -66,24 +55,5 @@ impl RulePolicy {
         let action_set =
             action_set.expect("`predict` forms the match set before an action is chosen");
         step_credit(&self.xcs, &self.match_set, &action_set, short_term_reward)
-    }
-
-    /// Returns the learned state.
-    pub fn state(&self) -> RuleState {
-        RuleState {
-            rules: self.xcs.learned(),
-            examples: self.examples.clone(),
-        }
-    }
-
-    /// Resumes from a learned state; `false` if the rules or the examples do not fit `percepts`.
-    pub fn resume(&mut self, state: RuleState, percepts: &[Percept]) -> bool {
-        let RuleState { rules, examples } = state;
-        let fits = |(number, example): (usize, &LabelledExample)| {
-            percepts.get(number) == Some(&example.percept) && example.value.is_finite()
-        };
-        let valid = examples.iter().all(fits) && self.xcs.resume(rules);
-        self.examples = examples.with_layout(self.layout.clone());
-        valid
     }
 }

@@ -6,16 +6,11 @@ mod traces;
 
 pub use params::TabularParams;
 
-use std::mem::discriminant;
-
-use serde::{Deserialize, Serialize};
-
-use table::{Rows, Table};
+use table::Table;
 use traces::Traces;
 
 use crate::agent::credit::params::Params;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::knowledge::saved::{RestoreError, Saved};
 use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::policy::explorer::Explorer;
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit};
@@ -25,7 +20,7 @@ use xcs::{Action, Percept};
 use xcscr_robot::arena::Outcome;
 
 /// The algorithms that learn a table of values (Sutton and Barto 2018).
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(in crate::agent) enum Algorithm {
     /// Learns toward the reward plus the best next value.
     QLearning,
@@ -44,14 +39,6 @@ impl Algorithm {
     /// Creates Dyna-Q, which draws the transitions to replay from `stream`.
     pub fn dyna_q(stream: Stream) -> Self {
         Self::DynaQ(Transitions::default(), stream)
-    }
-
-    /// Returns true if its transitions, if any, are valid.
-    fn is_valid(&self) -> bool {
-        match self {
-            Self::DynaQ(model, _) => model.is_valid(),
-            Self::QLearning | Self::SarsaLambda(_) => true,
-        }
     }
 }
 
@@ -180,39 +167,5 @@ impl Agent for Tabular {
 
     fn rule_count(&self) -> usize {
         self.table.len()
-    }
-
-    fn checkpoint(&self) -> Vec<u8> {
-        self.saved()
-    }
-
-    fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
-        self.read(saved)
-    }
-}
-
-/// What learning changes.
-#[derive(Serialize, Deserialize)]
-pub struct State {
-    algorithm: Algorithm,
-    table: Rows,
-}
-
-impl Saved for Tabular {
-    type State = State;
-
-    fn state(&self) -> State {
-        State {
-            algorithm: self.algorithm.clone(),
-            table: self.table.rows().clone(),
-        }
-    }
-
-    fn resumed(mut self, State { algorithm, table }: State) -> Option<Self> {
-        let is_same = discriminant(&self.algorithm) == discriminant(&algorithm);
-        let fits = is_same && algorithm.is_valid();
-        self.algorithm = Some(algorithm).filter(|_| fits)?;
-        self.table = Table::with_rows(self.table.actions(), table)?;
-        Some(self)
     }
 }

@@ -11,11 +11,9 @@ use xcs::{Action, ByAction, Percept};
 #[derive(Debug, Clone)]
 pub(super) struct Table {
     actions: usize,
-    rows: Rows,
+    /// The values by percept and action.
+    rows: BTreeMap<Percept, ByAction<f64>>,
 }
-
-/// The values by percept and action.
-pub(super) type Rows = BTreeMap<Percept, ByAction<f64>>;
 
 impl Table {
     pub fn new(actions: usize) -> Self {
@@ -23,24 +21,6 @@ impl Table {
             actions,
             rows: BTreeMap::new(),
         }
-    }
-
-    /// Returns the learned rows.
-    pub fn rows(&self) -> &Rows {
-        &self.rows
-    }
-
-    /// Creates a table with rows from a file; `None` if a number is not finite.
-    pub fn with_rows(actions: usize, rows: Rows) -> Option<Self> {
-        let is_valid = rows
-            .values()
-            .flat_map(|row| row.iter())
-            .all(|number| number.is_finite());
-        is_valid.then_some(Self { actions, rows })
-    }
-
-    pub fn actions(&self) -> usize {
-        self.actions
     }
 
     /// Returns the number of pairs of a percept met and an action.

@@ -1,13 +1,11 @@
 //! Eligibility traces of Sarsa(lambda).
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::model::transitions::Transition;
 use crate::agent::tabular::table::Table;
 use xcs::{Action, Percept};
 
 /// The eligibility of each pair of this episode (replacing traces).
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default)]
 pub(in crate::agent) struct Traces {
     pairs: Vec<(Percept, Action, f64)>,
 }

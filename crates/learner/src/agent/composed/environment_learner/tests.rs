@@ -150,55 +150,6 @@ fn pairs_with_varying_results_are_tried_several_times() {
 }
 
 #[test]
-fn a_restored_learner_continues_exactly_within_an_episode() {
-    for walk in [
-        EXACT,
-        Walk {
-            slips: 5,
-            step: -1.0,
-            ..EXACT
-        },
-    ] {
-        for steps in [1, 37, 400] {
-            let mut first = learner();
-            walk.learn(&mut first, steps);
-            first.act(&Walk::percept(3), true);
-            let mut second = learner();
-            second.restore(&first.checkpoint()).unwrap();
-            for learner in [&mut first, &mut second] {
-                learner.update(-1.0, Some(&Walk::percept(4)));
-                walk.learn(learner, 300);
-            }
-            assert_eq!(first.checkpoint(), second.checkpoint(), "{steps} steps");
-        }
-    }
-}
-
-#[test]
-fn a_damaged_state_or_one_of_other_arguments_is_refused() {
-    let mut learner = learner();
-    EXACT.learn(&mut learner, 50);
-    let saved = learner.checkpoint();
-    let mut other = EnvironmentLearner::new(EnvironmentParams::default(), 2, 1).unwrap();
-    assert_eq!(
-        other.restore(&saved),
-        Err(RestoreError::Foreign),
-        "fewer actions"
-    );
-    for length in 0..saved.len() {
-        assert!(learner.restore(&saved[..length]).is_err(), "{length} bytes");
-    }
-    for at in 0..saved.len() {
-        let mut damaged = saved.clone();
-        damaged[at] ^= 0x55;
-        let mut learner = self::learner();
-        if learner.restore(&damaged).is_ok() {
-            EXACT.learn(&mut learner, 20);
-        }
-    }
-}
-
-#[test]
 fn parameters_out_of_range_are_refused_by_name() {
     let params = EnvironmentParams {
         gamma: 1.0,

@@ -157,6 +157,5 @@ mod tests {
         robot.learn_in_context(&steps[0], &aligned.fits[0]);
         let west = steps[0].action;
         assert_eq!(robot.motion.certain(west), before.certain(west));
-        assert!(robot.motion.is_valid(8));
     }
 }

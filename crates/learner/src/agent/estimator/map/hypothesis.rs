@@ -40,11 +40,6 @@ impl MapHypothesis {
         hypothesis
     }
 
-    /// Returns true if the hypothesis is valid.
-    pub fn is_valid(&self) -> bool {
-        self.cell_map.is_valid() && self.payments.is_valid() && is_count(&self.episodes)
-    }
-
     /// Adds an aligned episode.
     pub fn add(&mut self, steps: &[MapStep], alignment: &Alignment) {
         self.episodes += 1.0;
@@ -79,9 +74,4 @@ pub fn always_in<'a>(hypotheses: impl Iterator<Item = &'a MapHypothesis>) -> Opt
     let all: f64 = begun.iter().map(|(count, _)| f64::from(*count)).sum();
     let (most, place) = begun.into_iter().max()?;
     (most >= LEAST_BEGUN && f64::from(most) >= ALWAYS * all).then_some(place)
-}
-
-/// Returns true if the number is a valid number of steps or cells.
-pub fn is_count(number: &f64) -> bool {
-    number.is_finite() && *number >= 0.0
 }

@@ -13,14 +13,14 @@ use crate::agent::credit::params::Params;
 use crate::agent::estimator::map::association::{Alignment, align};
 use crate::agent::estimator::map::bump::Bump;
 use crate::agent::estimator::map::cell_counts::CellCounts;
-use crate::agent::estimator::map::hypothesis::{KEPT_STEPS, MapHypothesis, always_in, is_count};
+use crate::agent::estimator::map::hypothesis::{KEPT_STEPS, MapHypothesis, always_in};
 use crate::agent::estimator::map::likelihood::Likelihood;
 use crate::agent::estimator::map::map_set::noise_estimates::{FIRST_SLIP, least_observation_error};
 use crate::agent::estimator::map::motion_model::{DISPLACEMENTS, MotionModel};
 use crate::agent::estimator::map::params::{MapParams, MotionPrior};
 use crate::agent::estimator::map::place::{Place, Surroundings, Vision};
 use crate::agent::estimator::map::robot_model::{MapStep, RobotModel};
-use crate::agent::estimator::map::state_map::{MOST_MAPS, Map, MappedCells};
+use crate::agent::estimator::map::state_map::{Map, MappedCells};
 use crate::agent::estimator::map::tracker::Felt;
 
 /// The number of stored episodes, from which the maps are re-estimated.
@@ -84,13 +84,6 @@ impl MapSet {
             planned_with: robot.motion.all_certain(),
             params,
         }
-    }
-
-    /// Returns the map set with the settings of another.
-    pub fn with_settings_of(mut self, other: &Self) -> Self {
-        self.params = other.params.clone();
-        self.robot.vision = other.robot.vision;
-        self
     }
 
     /// Adds the maps of another world. Each counts as one episode: a map that no episode confirms soon
@@ -307,40 +300,6 @@ impl MapSet {
             unfelt: !self.params.feels_bumps,
             ..map.with_first_state(always_in(used))
         }
-    }
-
-    /// Returns true if the map set is valid for a robot with this number of actions.
-    pub fn is_valid(&self, actions: usize) -> bool {
-        let steps = self.episodes.iter().flatten();
-        self.robot.motion.is_valid(actions)
-            && self.planned_with.len() == actions
-            && self
-                .planned_with
-                .iter()
-                .flatten()
-                .all(|&heading| heading < DISPLACEMENTS)
-            && self.hypotheses.len() <= MOST_MAPS
-            && self.brought.len() <= MOST_MAPS
-            && self
-                .hypotheses
-                .iter()
-                .flat_map(|hypothesis| hypothesis.transferred)
-                .all(|number| usize::from(number) < self.brought.len())
-            && [&self.hypotheses, &self.brought]
-                .into_iter()
-                .flatten()
-                .all(MapHypothesis::is_valid)
-            && self.episodes.iter().all(|steps| steps.len() <= KEPT_STEPS)
-            && steps
-                .clone()
-                .all(|step| step.action.index() < actions && step.found.is_finite())
-            && [self.slips, self.observation_error]
-                .iter()
-                .flatten()
-                .all(is_count)
-            && (0.0..=1.0).contains(&self.robot.slip)
-            && (0.0..=1.0).contains(&self.planned_slip)
-            && (0.0..=1.0).contains(&self.robot.observation_error)
     }
 }
 

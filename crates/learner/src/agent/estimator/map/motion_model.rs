@@ -102,15 +102,6 @@ impl MotionModel {
             weighed.for_each(|(weight, fit)| *weight = (*weight * fit / sum).max(LEAST));
         }
     }
-
-    /// Returns true if the model is valid for this number of actions.
-    pub fn is_valid(&self, actions: usize) -> bool {
-        let is_valid = |likely: &[f64; DISPLACEMENTS]| {
-            likely.iter().all(|weight| (0.0..=1.0).contains(weight))
-                && (likely.iter().sum::<f64>() - 1.0).abs() < 1e-6
-        };
-        self.actions == actions && actions <= MAX_ACTIONS && self.likely.iter().all(is_valid)
-    }
 }
 
 #[cfg(test)]
@@ -135,7 +126,6 @@ mod tests {
         for slips in [0, 2] {
             let (motion, action) = after(6, slips);
             assert_eq!(motion.certain(action), Some(5), "{motion:?}");
-            assert!(motion.is_valid(8));
         }
     }
 
@@ -186,6 +176,7 @@ mod tests {
         motion.learn(action, &[0.0; DISPLACEMENTS], 0.0);
         assert_eq!(motion, before);
         motion.learn(action, &[0.5; DISPLACEMENTS], 0.0);
-        assert!(motion.is_valid(8), "control");
+        let likely = motion.likely.iter().flatten();
+        assert!(likely.copied().all(f64::is_finite), "control");
     }
 }

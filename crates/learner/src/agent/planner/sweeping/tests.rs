@@ -1,6 +1,5 @@
 //! Limits on updates per step, and waiting updates.
 
-use crate::agent::knowledge::saved;
 use crate::agent::model::transitions::Transition;
 use crate::agent::planner::sweeping::*;
 use xcs::Percept;
@@ -55,29 +54,4 @@ fn noise_updates_few_values_however_many_depend_on_them() {
     // Control: new pairs propagate to all dependent values.
     let most_at_once = updates.iter().map(|&(_, updated)| updated).max().unwrap();
     assert!(most_at_once > PERCEPTS, "{most_at_once}");
-}
-
-#[test]
-fn waiting_updates_still_wait_after_a_resumption() {
-    let (_, updates) = updates_of_noise(1_500);
-    let is_cut_short = |&(is_new, updated): &(bool, usize)| !is_new && updated > UPDATES_FOR_ODDS;
-    let step = updates.iter().position(is_cut_short).unwrap();
-    let (mut known, _) = updates_of_noise(step + 1);
-    known.tidy();
-    assert!(!known.queue.is_empty(), "control");
-    let mut model = Transitions::default();
-    (0..PERCEPTS).for_each(|number| {
-        model.meet(&Percept::from_word(number as u64, 8));
-    });
-    let resumed = |known: &PlannedValues| {
-        let read: PlannedValues = saved::read(&saved::bytes_of(known)).unwrap();
-        let resumed = read.resumed(&PlannedValues::new(4, &Params::default()), &model);
-        (resumed.is_valid(&model), resumed)
-    };
-    let (valid, mut other) = resumed(&known);
-    assert!(valid && other.updates == known.updates);
-    let waiting = std::iter::from_fn(|| Some((known.queue.pop()?, other.queue.pop()?)));
-    assert!(waiting.into_iter().all(|(one, same)| one == same));
-    known.queue.push((1, Reverse(PERCEPTS)));
-    assert!(!resumed(&known).0, "an unknown percept waits");
 }

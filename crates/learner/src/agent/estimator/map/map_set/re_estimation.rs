@@ -133,12 +133,4 @@ mod tests {
             "control"
         );
     }
-
-    #[test]
-    fn a_learner_that_dropped_a_transferred_map_can_be_resumed() {
-        assert!(two_transferred().without(0, &[]).is_valid(8));
-        let mut damaged = two_transferred();
-        damaged.hypotheses[0].transferred = Some(2);
-        assert!(!damaged.is_valid(8), "control: there is no third one");
-    }
 }
