@@ -1,7 +1,7 @@
 //! What a robot learns of how its actions displace it, if it does not know.
 
 use xcscr::agent::{Agent, Estimator, Explorer, Frozen, Method, MotionPrior, Setup};
-use xcscr::arena::{Arena, GridArena, Lasting, Outcome, View};
+use xcscr::arena::{Arena, GridArena, Outcome, View};
 use xcscr::episode;
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
@@ -54,12 +54,8 @@ impl Arena for Relabelled {
         self.grid.view()
     }
 
-    fn lasting(&self) -> Lasting {
-        self.grid.lasting()
-    }
-
-    fn continue_from(&mut self, lasting: &Lasting) {
-        self.grid.continue_from(lasting);
+    fn set_clock(&mut self, time_ns: u64) {
+        self.grid.set_clock(time_ns);
     }
 
     fn reseed(&mut self, seed: u64) {

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::error;
 use super::facts::run_info;
 use crate::agent::{Explorer, Knowledge};
-use crate::arena::{Arena, ArenaKind, Lasting, PhysicsArena, Sample, WheelDrive};
+use crate::arena::{Arena, ArenaKind, PhysicsArena, Sample, WheelDrive};
 use crate::episode;
 use crate::error::Error;
 use crate::record::{RecordMode, RecordSummary, Recorder, RunInfo, RunKind};
@@ -154,11 +154,7 @@ impl ExternalRecorder {
         let maze = &self.plan.maze;
         let mut arena = self.arena(&episode)?;
         // The times of a recording increase across episodes. The lidar is where it was at time 0.
-        let lasting = Lasting {
-            time_ns: self.clock_ns,
-            ..arena.lasting()
-        };
-        arena.continue_from(&lasting);
+        arena.set_clock(self.clock_ns);
         let mut explorer = Explorer::new(0.0, Stream::new(0, StreamName::Exploration));
         let mut script = Script::new(&episode, maze.action_count());
         let (col, row) = episode.start;

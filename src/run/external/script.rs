@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{ExternalActions, ExternalEpisode, WheelSpeeds};
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Explorer, Knowledge, StepCredit};
-use crate::arena::{Arena, Lasting, Outcome, View, WheelDrive};
+use crate::arena::{Arena, Outcome, View, WheelDrive};
 use crate::world::Cell;
 use xcs::{Action, Percept, PredictionArray};
 
@@ -124,12 +124,8 @@ impl Arena for ScriptedWheels {
         }
     }
 
-    fn lasting(&self) -> Lasting {
-        self.drive.arena().lasting()
-    }
-
-    fn continue_from(&mut self, lasting: &Lasting) {
-        self.drive.continue_from(lasting);
+    fn set_clock(&mut self, time_ns: u64) {
+        self.drive.set_clock(time_ns);
     }
 
     fn reseed(&mut self, seed: u64) {

@@ -43,7 +43,7 @@ pub struct Driven {
 }
 
 impl Driven {
-    fn of(trial: &Trial, episodes: u32) -> Result<Self, String> {
+    fn of(trial: &mut Trial, episodes: u32) -> Result<Self, String> {
         let driven = Evaluation::after(trial, episodes).map_err(|fault| fault.to_string())?;
         Ok(Self {
             episodes,
@@ -122,7 +122,7 @@ impl TrialRecord {
     pub(in crate::study) fn of(protocol: &Protocol, agents: &Agents, trial: usize) -> Self {
         let result = catch_unwind(AssertUnwindSafe(|| {
             let trial = self::trial(protocol, agents, trial)?;
-            figures(&finished(trial), protocol.drives)
+            figures(&mut finished(trial), protocol.drives)
         }));
         let result = result.unwrap_or_else(|panic| Err(words(&*panic)));
         Self { trial, result }
@@ -177,7 +177,8 @@ pub(in crate::study) fn trial(
 }
 
 /// Returns the figures of a finished trial.
-fn figures(trial: &Trial, drives: u32) -> Result<Figures, String> {
+fn figures(trial: &mut Trial, drives: u32) -> Result<Figures, String> {
+    let driven = (drives > 0).then(|| Driven::of(trial, drives));
     let Plan { maze, config } = trial.plan();
     let knowledge = trial.method().knowledge();
     let compacted = Compacted::new(&knowledge, config.sensor, maze, trial.paths());
@@ -188,9 +189,7 @@ fn figures(trial: &Trial, drives: u32) -> Result<Figures, String> {
         compacted_rules: compacted.map(|compacted| compacted.rules.len()),
         greedy_steps: Some(greedy.mean),
         greedy_ratio: greedy.ratio(trial.plan()),
-        driven: (drives > 0)
-            .then(|| Driven::of(trial, drives))
-            .transpose()?,
+        driven: driven.transpose()?,
     })
 }
 

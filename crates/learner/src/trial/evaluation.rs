@@ -70,26 +70,24 @@ impl Evaluation {
         observer: &mut dyn Observer,
     ) -> Result<Self, PlanError> {
         plan.check()?;
-        let arena = plan.config.build_arena(&plan.maze)?;
-        Self::in_arena(plan, arena, knowledge, episodes, observer)
+        let mut arena = plan.config.build_arena(&plan.maze)?;
+        Self::in_arena(plan, &mut *arena, knowledge, episodes, observer)
     }
 
-    /// Runs `episodes` episodes with the robot in the state that the trial left it in, including
-    /// its faults. The trial is not affected.
+    /// Runs `episodes` episodes with the robot of the trial, in the state that the trial left it
+    /// in, including its faults.
     ///
     /// # Errors
-    /// When the trial's plan cannot be run.
-    pub fn after(trial: &Trial, episodes: u32) -> Result<Self, PlanError> {
-        let plan = trial.plan();
-        let mut arena = plan.config.build_arena(&plan.maze)?;
-        arena.continue_from(&trial.arena.lasting());
+    /// When the knowledge does not fit the trial's plan.
+    pub fn after(trial: &mut Trial, episodes: u32) -> Result<Self, PlanError> {
         let knowledge = trial.method().knowledge();
+        let (plan, arena) = (&trial.plan, &mut *trial.arena);
         Self::in_arena(plan, arena, &knowledge, episodes, &mut ())
     }
 
     fn in_arena(
         plan: &Plan,
-        mut arena: Box<dyn Arena>,
+        arena: &mut dyn Arena,
         knowledge: &Knowledge,
         episodes: u32,
         observer: &mut dyn Observer,
@@ -104,7 +102,7 @@ impl Evaluation {
             let start = cells.nth(maze, starts.below(cells.count()));
             start.expect("a checked maze has a start cell")
         });
-        let sums = GreedySums::over(starts, &plan, &mut *arena, knowledge, observer);
+        let sums = GreedySums::over(starts, &plan, arena, knowledge, observer);
         // The observer may have ended the evaluation early.
         let episodes = sums.episodes;
         let mean = |sum: u64| sum as f64 / f64::from(episodes.max(1));
@@ -302,10 +300,11 @@ mod tests {
 
     #[test]
     fn sensors_that_broke_in_the_training_are_still_broken_when_it_is_evaluated() {
-        let [broken, sound] = [2, 9].map(sensed_trial);
-        let after = |trial: &Trial| Evaluation::after(trial, 1).unwrap();
-        assert_eq!(after(&broken).successes, 0, "{:?}", after(&broken));
-        assert!(after(&sound).is_optimal(), "control: {:?}", after(&sound));
+        let [mut broken, mut sound] = [2, 9].map(sensed_trial);
+        let [after, control] =
+            [&mut broken, &mut sound].map(|trial| Evaluation::after(trial, 1).unwrap());
+        assert_eq!(after.successes, 0, "{after:?}");
+        assert!(control.is_optimal(), "control: {control:?}");
         let knowledge = broken.method().knowledge();
         let new = Evaluation::run(broken.plan(), &knowledge, 1).unwrap();
         assert!(new.is_optimal(), "control, a new robot: {new:?}");

@@ -1,6 +1,6 @@
 //! Auxiliary rewards: cells that give a reward once per episode.
 
-use super::{Arena, Lasting, Outcome, View};
+use super::{Arena, Outcome, View};
 use crate::world::{Cell, Maze};
 use xcs::Action;
 
@@ -54,13 +54,8 @@ impl Arena for RewardingArena {
         self.arena.view()
     }
 
-    fn lasting(&self) -> Lasting {
-        self.arena.lasting()
-    }
-
-    fn continue_from(&mut self, lasting: &Lasting) {
-        self.collected.clear();
-        self.arena.continue_from(lasting);
+    fn set_clock(&mut self, time_ns: u64) {
+        self.arena.set_clock(time_ns);
     }
 
     fn reseed(&mut self, seed: u64) {
@@ -129,12 +124,8 @@ mod tests {
             }
         }
 
-        fn lasting(&self) -> Lasting {
-            self.0.lasting()
-        }
-
-        fn continue_from(&mut self, lasting: &Lasting) {
-            self.0.continue_from(lasting);
+        fn set_clock(&mut self, time_ns: u64) {
+            self.0.set_clock(time_ns);
         }
 
         fn reseed(&mut self, seed: u64) {

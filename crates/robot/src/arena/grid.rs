@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, Isometry2, UnitComplex};
 
-use super::{Arena, Contact, Lasting, Outcome, Sample, View, first_cell};
+use super::{Arena, Contact, Outcome, Sample, View, first_cell};
 use crate::world::{Cell, Direction, Maze};
 use xcs::Action;
 
@@ -82,18 +82,8 @@ impl Arena for GridArena {
         }
     }
 
-    fn lasting(&self) -> Lasting {
-        Lasting {
-            time_ns: self.trace[1].time_ns,
-            noise: None,
-            sensing: None,
-            slip: None,
-            observation_noise: None,
-        }
-    }
-
-    fn continue_from(&mut self, lasting: &Lasting) {
-        self.trace[1].time_ns = lasting.time_ns;
+    fn set_clock(&mut self, time_ns: u64) {
+        self.trace[1].time_ns = time_ns;
     }
 
     fn reseed(&mut self, _: u64) {

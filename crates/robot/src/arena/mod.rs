@@ -13,7 +13,6 @@ mod sensed;
 mod slip;
 
 use nalgebra::{Isometry2, Point2, Vector2};
-use serde::{Deserialize, Serialize};
 
 pub use auxiliary::RewardingArena;
 pub use grid::GridArena;
@@ -30,7 +29,6 @@ pub use slip::ArenaParams;
 pub use slip::SlippingArena;
 
 use crate::world::{Cell, Maze};
-use xcs::random::Stream;
 use xcs::{Action, Percept};
 pub use xcscr_sensing::Surroundings;
 
@@ -128,21 +126,6 @@ impl View<'_> {
     }
 }
 
-/// State that carries over between episodes; a reset restores everything else.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Lasting {
-    /// Simulation time since the trial began, in nanoseconds.
-    pub time_ns: u64,
-    /// The random stream of the motion noise; `None` in arenas without noise.
-    pub noise: Option<Stream>,
-    /// The state of sensors and estimator; `None` for a robot that gets the true pose.
-    pub sensing: Option<physics::SensingCheckpoint>,
-    /// The random stream that selects slipping actions; `None` where actions do not slip.
-    pub slip: Option<Stream>,
-    /// The random stream of the observation noise; `None` without observation noise.
-    pub observation_noise: Option<Stream>,
-}
-
 /// Returns the cell where the robot of a new arena is.
 fn first_cell(maze: &Maze) -> Cell {
     maze.starts().next().unwrap_or(maze.goals()[0])
@@ -159,11 +142,8 @@ pub trait Arena: Send {
     /// Returns the current observable state.
     fn view(&self) -> View<'_>;
 
-    /// Returns the state that the next reset does not undo.
-    fn lasting(&self) -> Lasting;
-
-    /// Continues from another arena of the same maze and settings; a reset must follow.
-    fn continue_from(&mut self, lasting: &Lasting);
+    /// Sets the clock to nanoseconds since the trial began; a reset must follow.
+    fn set_clock(&mut self, time_ns: u64);
 
     /// Restarts the clock and all random numbers. The arena is then equal to a new one with this seed.
     fn reseed(&mut self, seed: u64);

@@ -4,7 +4,7 @@ use crate::streams::StreamName;
 use xcs::random::Stream;
 use xcs::{Action, Percept};
 
-use super::{Arena, Lasting, Outcome, View};
+use super::{Arena, Outcome, View};
 use crate::world::Cell;
 
 /// An arena that adds observation noise to any other arena. The inverted bits are drawn each time
@@ -65,18 +65,8 @@ impl Arena for NoisyPerceptArena {
         }
     }
 
-    fn lasting(&self) -> Lasting {
-        Lasting {
-            observation_noise: Some(self.stream.clone()),
-            ..self.arena.lasting()
-        }
-    }
-
-    fn continue_from(&mut self, lasting: &Lasting) {
-        if let Some(stream) = &lasting.observation_noise {
-            self.stream = stream.clone();
-        }
-        self.arena.continue_from(lasting);
+    fn set_clock(&mut self, time_ns: u64) {
+        self.arena.set_clock(time_ns);
     }
 
     fn reseed(&mut self, seed: u64) {

@@ -5,7 +5,7 @@ use xcs::Action;
 use xcs::random::Stream;
 use xcs::settings;
 
-use super::{Arena, Lasting, Outcome, View};
+use super::{Arena, Outcome, View};
 use crate::world::Cell;
 
 settings! {
@@ -73,19 +73,8 @@ impl Arena for SlippingArena {
         }
     }
 
-    fn lasting(&self) -> Lasting {
-        Lasting {
-            slip: Some(self.stream.clone()),
-            ..self.arena.lasting()
-        }
-    }
-
-    fn continue_from(&mut self, lasting: &Lasting) {
-        self.executed = None;
-        if let Some(stream) = &lasting.slip {
-            self.stream = stream.clone();
-        }
-        self.arena.continue_from(lasting);
+    fn set_clock(&mut self, time_ns: u64) {
+        self.arena.set_clock(time_ns);
     }
 
     fn reseed(&mut self, seed: u64) {

@@ -60,10 +60,9 @@ pub use self::motion::Speeds;
 use self::noise::Noise;
 use self::robot::{Wheels, true_motion};
 use self::sensing::Sensing;
-pub use self::sensing::SensingCheckpoint;
 use self::simulation::{Simulation, State, eastward};
 use self::walls::Block;
-use super::{Arena, Contact, Lasting, Outcome, Sample, View, first_cell};
+use super::{Arena, Contact, Outcome, Sample, View, first_cell};
 use crate::streams::StreamName;
 use crate::world::{Cell, Direction, Maze, Moves};
 use xcs::Action;
@@ -323,24 +322,8 @@ impl Arena for PhysicsArena {
         }
     }
 
-    fn lasting(&self) -> Lasting {
-        Lasting {
-            time_ns: self.time_ns(),
-            noise: Some(self.noise.stream.clone()),
-            sensing: self.sensing.as_ref().map(|sensing| sensing.checkpoint()),
-            slip: None,
-            observation_noise: None,
-        }
-    }
-
-    fn continue_from(&mut self, lasting: &Lasting) {
-        self.steps = lasting.time_ns / STEP_NS;
-        if let Some(stream) = &lasting.noise {
-            self.noise.stream = stream.clone();
-        }
-        if let Some((sensing, saved)) = self.sensing.as_mut().zip(lasting.sensing.as_ref()) {
-            sensing.resume(saved);
-        }
+    fn set_clock(&mut self, time_ns: u64) {
+        self.steps = time_ns / STEP_NS;
         self.begin_trace();
     }
 

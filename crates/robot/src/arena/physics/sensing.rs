@@ -34,17 +34,11 @@ pub(super) struct Sensing {
     beams: Vec<Beam>,
 }
 
-/// State of sensors and estimator that carries over between episodes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SensingCheckpoint {
-    sensors: SensorState,
-    filter: FilterState,
-}
-
 /// State of sensors and estimator that carries over between actions.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct SensingState {
-    lasting: SensingCheckpoint,
+    sensors: SensorState,
+    filter: FilterState,
     surroundings: Surroundings,
 }
 
@@ -75,34 +69,20 @@ impl Sensing {
         (onboard.estimate().0, speeds)
     }
 
-    /// Returns the state for a checkpoint between two episodes.
-    pub(super) fn checkpoint(&self) -> SensingCheckpoint {
-        SensingCheckpoint {
-            sensors: self.sensors.state(),
-            filter: self.pilot.onboard().filter().clone(),
-        }
-    }
-
-    /// Restores a checkpoint.
-    pub(super) fn resume(&mut self, saved: &SensingCheckpoint) {
-        self.sensors.set_state(&saved.sensors);
-        let surroundings = self.pilot.onboard().surroundings().clone();
-        self.pilot.restore(saved.filter.clone(), surroundings);
-    }
-
     /// Returns the state for a snapshot between two actions.
     pub(super) fn state(&self) -> SensingState {
         SensingState {
-            lasting: self.checkpoint(),
+            sensors: self.sensors.state(),
+            filter: self.pilot.onboard().filter().clone(),
             surroundings: self.pilot.onboard().surroundings().clone(),
         }
     }
 
     /// Restores a snapshot.
     pub(super) fn set_state(&mut self, state: &SensingState) {
-        self.sensors.set_state(&state.lasting.sensors);
-        let filter = state.lasting.filter.clone();
-        self.pilot.restore(filter, state.surroundings.clone());
+        self.sensors.set_state(&state.sensors);
+        let (filter, surroundings) = (state.filter.clone(), state.surroundings.clone());
+        self.pilot.restore(filter, surroundings);
     }
 
     /// Clears the data shown to observers of the last action.

@@ -4,7 +4,7 @@ use nalgebra::{Rotation2, Vector2};
 
 use super::motion::{Speeds, within};
 use super::{PhysicsArena, cell_from_position};
-use crate::arena::{Arena, Lasting};
+use crate::arena::Arena;
 use crate::world::Cell;
 use xcscr_sensing::cast;
 
@@ -104,9 +104,9 @@ impl WheelDrive {
         self.arena.view().impulse_ns()
     }
 
-    /// Continues the clock and the noise of another arena; a reset must follow.
-    pub fn continue_from(&mut self, lasting: &Lasting) {
-        self.arena.continue_from(lasting);
+    /// Sets the clock to nanoseconds since the trial began; a reset must follow.
+    pub fn set_clock(&mut self, time_ns: u64) {
+        self.arena.set_clock(time_ns);
     }
 
     /// Restarts the clock and the noise, as in a new arena with this seed; a reset must follow.
