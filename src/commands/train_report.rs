@@ -103,8 +103,7 @@ impl TrainReport {
         }
     }
 
-    /// Prints the report as text. `steps_per_episode` includes the episodes before the run was
-    /// resumed.
+    /// Prints the report as text.
     pub fn print(
         &self,
         trial: &Trial,

@@ -88,13 +88,9 @@ impl Recorder {
         info: RunInfo,
         mode: RecordMode,
     ) -> Result<Self, Error> {
-        let recorder = Self::new(folder, maze, info, mode);
-        let repeats = true;
-        Self {
-            repeats,
-            ..recorder
-        }
-        .begun()
+        let mut recorder = Self::new(folder, maze, info, mode);
+        recorder.repeats = true;
+        recorder.begun()
     }
 
     fn begun(mut self) -> Result<Self, Error> {
