@@ -149,7 +149,6 @@ impl EventLogger {
         let caption = Caption {
             title: format!("{name} {episode}{all}"),
             heading: self.heading.clone(),
-            ..Caption::default()
         };
         let caption = caption.scene(view.maze, time_ns);
         out.send(For::Both, Topic::Caption, time_ns, &caption)?;
