@@ -105,7 +105,9 @@ pub(crate) fn persist(temporary: NamedTempFile, path: &Path, force: bool) -> io:
         false => temporary.persist_noclobber(path),
     };
     named.map_err(|fault| fault.error)?;
-    sync_folder(folder_of(path))
+    // The file has its name. Some folders cannot be opened or synced.
+    let _ = sync_folder(folder_of(path));
+    Ok(())
 }
 
 /// Returns the name of the target file if `name` is the name of a temporary file.

@@ -54,6 +54,12 @@ pub(super) fn foreign(path: &Path, bytes: &[u8]) -> Error {
     ErrorKind::BadData.error(message)
 }
 
+/// Returns the error for a recording that cannot be used in this way.
+pub(super) fn unsuitable(path: &Path, cause: &str) -> Error {
+    let message = format!("{}: {cause}", path.display());
+    ErrorKind::BadData.error(message)
+}
+
 /// Returns the conversion of a fault in a file.
 pub(super) fn damaged<E: Display>(path: &Path) -> impl Fn(E) -> Error {
     move |cause| {

@@ -116,6 +116,18 @@ fn a_robot_that_is_not_seen_for_a_while_is_found() {
 }
 
 #[test]
+fn the_end_of_time_is_a_time() {
+    let mut parts = episode();
+    parts.messages_on("/tf").last().unwrap().time_ns = u64::MAX;
+    parts.messages.sort_by_key(|message| message.time_ns);
+    let faults = faults(&parts);
+    assert!(
+        faults.iter().any(|fault| fault.contains("no pose on /tf")),
+        "{faults:?}"
+    );
+}
+
+#[test]
 fn time_that_runs_backwards_is_found() {
     let mut parts = episode();
     parts.messages_on("/log").last().unwrap().time_ns = 1;

@@ -153,6 +153,25 @@ fn a_recording_without_a_policy_gives_no_rules() {
 }
 
 #[test]
+fn after_an_episode_that_goes_on_behind_the_goal_the_whole_recording_fails() {
+    let desk = Desk::new();
+    let mut plan = plan(ArenaKind::Grid);
+    plan.config.settings.arena.slip = 0.0;
+    let mut recorder = recorder(desk.folder(), &plan);
+    let to_the_goal = [1, 2, 2, 2, 1, 1, 1, 1, 2, 2];
+    recorder.record(episode(7, &to_the_goal)).unwrap();
+    let on = [&to_the_goal[..], &[1]].concat();
+    for _ in 0..2 {
+        let fault = recorder.record(episode(8, &on)).unwrap_err().to_string();
+        assert!(fault.contains("at the goal after 10 steps"), "{fault}");
+    }
+    let fault = recorder.record(episode(9, &to_the_goal)).unwrap_err();
+    assert!(fault.to_string().contains("episode 2: "), "{fault}");
+    let fault = recorder.finish().unwrap_err();
+    assert!(fault.to_string().contains("episode 2: "), "{fault}");
+}
+
+#[test]
 fn impossible_episodes_and_folders_with_files_are_refused() {
     let desk = Desk::new();
     let plan = plan(ArenaKind::Grid);

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use crate::copies::Parts;
 use crate::kit::chance::{dice, rounds};
+use crate::kit::desk::Desk;
 use xcscr::record::reader::Recording;
 use xcscr::xcs::random::Stream;
 
@@ -27,7 +28,8 @@ fn sample() -> Vec<u8> {
     let path = Path::new("recordings/sample-maze4.mcap");
     let mut parts = Parts::of(&Recording::open(path).unwrap());
     for topic in &mut parts.topics {
-        topic.schema_data.truncate(64);
+        let length = topic.schema_data.len().min(64);
+        topic.schema_data = topic.schema_data[..length].into();
     }
     parts.messages.retain(|message| message.data.len() < 500);
     parts.messages.truncate(40);
@@ -106,6 +108,11 @@ fn forge_body((opcode, body): &mut Record, dice: &mut Stream) {
 
 /// A file of these records, with the sums over its sections and the places of them.
 fn file(records: &[Record]) -> Vec<u8> {
+    file_with(records, None)
+}
+
+/// The same, whose footer may name another place as the beginning of the summary.
+fn file_with(records: &[Record], summary: Option<u64>) -> Vec<u8> {
     let mut bytes = mcap::MAGIC.to_vec();
     let (mut start, mut offsets) = (0, 0);
     for (opcode, body) in records.iter().filter(|(opcode, _)| *opcode != FOOTER) {
@@ -124,7 +131,7 @@ fn file(records: &[Record]) -> Vec<u8> {
     let footer = bytes.len();
     bytes.push(FOOTER);
     bytes.extend(20_u64.to_le_bytes());
-    bytes.extend((start as u64).to_le_bytes());
+    bytes.extend(summary.unwrap_or(start as u64).to_le_bytes());
     bytes.extend((offsets as u64).to_le_bytes());
     let summed = if start == 0 { footer } else { start };
     let sum = crc32fast::hash(&bytes[summed..]);
@@ -147,7 +154,9 @@ fn forged_recordings() {
         for _ in 0..=dice.below(3) {
             forge(&mut forged, &mut dice);
         }
-        let bytes = file(&forged);
+        // Every third footer points anywhere, also into the data of records.
+        let place = dice.below(sound.len()) as u64;
+        let bytes = file_with(&forged, Some(place).filter(|_| number % 3 == 0));
         if let Ok(recording) = Recording::from_bytes(name, bytes) {
             taken += 1;
             let counted: u64 = recording.topics().iter().map(|topic| topic.messages).sum();
@@ -157,6 +166,47 @@ fn forged_recordings() {
     }
     // Control: another time of a message is read as well as the right one.
     assert!(taken > 0);
+}
+
+/// The summary begins in the data of an attachment, with an attachment that is shorter than its
+/// lengths say, or with a chunk that unpacks to much.
+#[test]
+fn a_summary_that_hides_in_an_attachment_is_never_read() {
+    let text = |text: &[u8]| [&(text.len() as u32).to_le_bytes()[..], text].concat();
+    let hidden_chunk = [
+        &[0; 16][..],
+        &(1_u64 << 40).to_le_bytes(),
+        &[0; 4],
+        &text(b"zstd"),
+        &8_u64.to_le_bytes(),
+        &[0; 8],
+    ];
+    for hidden in [(ATTACHMENT, vec![0; 32]), (CHUNK, hidden_chunk.concat())] {
+        let hidden = join(&[hidden]);
+        let head = [
+            &[0; 16][..],
+            &text(b"x"),
+            &text(b""),
+            &(hidden.len() as u64).to_le_bytes(),
+        ]
+        .concat();
+        let header = (1, [text(b""), text(b"")].concat());
+        let before = mcap::MAGIC.len() + join(std::slice::from_ref(&header)).len();
+        let attachment = (ATTACHMENT, [&head[..], &hidden, &[0; 4]].concat());
+        let records = [header, attachment, (DATA_END, vec![0; 4])];
+        let place = (before + 9 + head.len()) as u64;
+        let desk = Desk::new();
+        desk.write("forged.mcap", file_with(&records, Some(place)));
+        for line in [
+            "recording check @forged.mcap",
+            "recording verify @forged.mcap",
+            "replay @forged.mcap --html @page.html",
+        ] {
+            let code = desk.output(line).status.code();
+            assert!(matches!(code, Some(1 | 65)), "{line}: {code:?}");
+        }
+        desk.ok("recording info @forged.mcap");
+    }
 }
 
 /// A recording whose index claims so many messages of each channel is not believed.

@@ -61,12 +61,10 @@ fn a_page_has_the_decisions_values_estimates_and_episodes_of_its_recording() {
         let length = data[list].as_array().unwrap().len();
         assert_eq!(length, said(&recording, topic).len(), "{list}");
     }
-    let last_ns = messages(&recording).map(|message| message.time_ns).max();
+    let times = || messages(&recording).map(|message| message.time_ns);
+    let length_ns = times().max().unwrap() - times().min().unwrap();
     let end_s = data["end"].as_f64().unwrap();
-    assert!(
-        (end_s - last_ns.unwrap() as f64 / 1e9).abs() < 0.01,
-        "{end_s}"
-    );
+    assert!((end_s - length_ns as f64 / 1e9).abs() < 0.01, "{end_s}");
     assert_eq!(data["poses"][0].as_array().unwrap().len(), 4);
 }
 
@@ -147,6 +145,25 @@ fn the_page_loads_nothing_and_its_policy_forbids_it() {
         assert!(!page.contains(outside), "{outside}");
     }
     assert!(page.contains(r#"content="default-src 'none'; "#));
+}
+
+#[test]
+fn messages_that_take_far_more_memory_than_bytes_are_no_part_of_a_page() {
+    let mut parts = Parts::of(&sample());
+    let policy = parts.messages_on("/scene/policy").next().unwrap();
+    policy.data = [0x12, 0].repeat(4 << 20);
+    let name = Path::new("forged.mcap");
+    let options = || mcap::WriteOptions::new().compression(None);
+    let forged = Recording::from_bytes(name, parts.write(options())).unwrap();
+    let fault = player::page(&forged).unwrap_err().to_string();
+    assert!(fault.contains("far more memory"), "{fault}");
+    // JSON of 20 MB, which takes some 500 MB as trees.
+    parts.messages_on("/scene/policy").next().unwrap().data = Vec::new();
+    let rule = parts.messages_on("/rule").next().unwrap();
+    rule.data = format!("{{\"values\":[{}0]}}", "0,".repeat(10 << 20)).into_bytes();
+    let forged = Recording::from_bytes(name, parts.write(options())).unwrap();
+    let fault = player::page(&forged).unwrap_err().to_string();
+    assert!(fault.contains("too many for a page"), "{fault}");
 }
 
 const EVIL: &str = "</script><script>alert(1)</script><img src=x onerror=alert(2)>";

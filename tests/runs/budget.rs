@@ -183,6 +183,33 @@ fn many_chunks_that_unpack_to_much_are_not_unpacked() {
     small(&desk, 65, "recording check @bomb.mcap", "");
 }
 
+/// One schema of 100 kB, and as many channels as there can be.
+#[test]
+fn a_schema_is_held_once_for_all_its_channels() {
+    let desk = Desk::new();
+    let path = desk.path("channels.mcap");
+    let mut writer = mcap::WriteOptions::new()
+        .create(File::create(&path).unwrap())
+        .unwrap();
+    let schema = writer.add_schema("x", "jsonschema", &vec![b' '; 100_000]);
+    let schema = schema.unwrap();
+    for channel in 0..65_000 {
+        let name = format!("/{channel}");
+        writer
+            .add_channel(schema, &name, "json", &Default::default())
+            .unwrap();
+    }
+    writer.finish().unwrap();
+    let size = fs::metadata(&path).unwrap().len();
+    let most = ITSELF + SMALL + ((10 * size) >> 10);
+    for (code, line) in [
+        (65, "recording check @channels.mcap"),
+        (0, "recording info @channels.mcap"),
+    ] {
+        ended(&within(&desk, most, line), code, line);
+    }
+}
+
 /// As a tree, fourteen megabytes of small numbers take four hundred.
 #[test]
 fn a_long_message_is_read_without_being_held_as_a_tree() {

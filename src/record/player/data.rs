@@ -11,6 +11,7 @@ use super::episodes::{self, PackedEpisode};
 use super::shapes::Scene;
 use crate::error::Error;
 use crate::picture::{NO_GOAL, SCALE, css};
+use crate::record::error;
 use crate::record::info::{self, RunKind};
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::percept::KINDS;
@@ -18,6 +19,10 @@ use crate::record::topics::{ESTIMATE, ROBOT, decimal, decoded, nanoseconds};
 use crate::record::{RobotShape, Topic};
 use crate::world::{Cell, Maze};
 use xcs::Action;
+
+/// The maximum size of the messages of a page, in bytes. In memory they take up to thirty times as
+/// much.
+const MOST_BYTES: usize = 16 << 20;
 
 /// A JSON message with its time as the field `t`.
 pub type Timed = Map<String, Value>;
@@ -114,8 +119,14 @@ impl Data {
             Ok(RunKind::Evaluation) => "Greedy drive",
             _ => "Episode",
         };
+        let mut left = MOST_BYTES;
         for message in recording.messages() {
-            let added = data.add(&message?, &maze);
+            let message = message?;
+            left = left.checked_sub(message.data.len()).ok_or_else(|| {
+                let cause = "its messages are too many for a page, open it in a viewer";
+                error::unsuitable(recording.path(), cause)
+            })?;
+            let added = data.add(&message, &maze);
             added.map_err(|cause| recording.damaged(cause))?;
         }
         data.complete();

@@ -14,9 +14,9 @@ use crate::error::Error;
 use crate::record::reader::Recording;
 
 /// The maximum size of the recordings that a page is made of, in bytes: of one episode and of all.
-/// A page takes about a third of it.
+/// A page takes about a sixth of it.
 const MOST_OF_ONE: u64 = 512 << 10;
-const MOST_OF_ALL: u64 = 6 << 20;
+const MOST_OF_ALL: u64 = 12 << 20;
 /// The maximum size of all packed episodes of a page, in bytes.
 const MOST_PACKED: u64 = 2_500_000;
 

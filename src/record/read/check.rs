@@ -158,8 +158,7 @@ fn check_index(recording: &Recording, counts: &BTreeMap<String, u64>, findings: 
             findings.push(what);
         }
     }
-    let chunks = &recording.summary().chunk_indexes;
-    if chunks.is_empty() && counts.values().sum::<u64>() > 0 {
+    if !recording.has_chunk_index() && counts.values().sum::<u64>() > 0 {
         let what = "no chunk is indexed, so viewers find no messages";
         findings.push(what.to_owned());
     }

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use mcap::records::Record;
+use mcap::read::ChannelAccumulator;
+use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::LinearReaderOptions;
-use mcap::{MAGIC, McapError, McapResult, Summary};
+use mcap::{Channel, MAGIC, McapError, McapResult};
 use serde::Serialize;
 
 use super::records::{self, Records};
@@ -22,12 +23,19 @@ use crate::record::resume_hint::way_to_resume;
 pub struct Recording {
     path: PathBuf,
     bytes: Vec<u8>,
-    summary: Summary,
     attachments: Vec<Attachment>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
+    channels: BTreeMap<u16, Arc<Channel<'static>>>,
     /// The number of messages read by channel.
     counts: BTreeMap<u16, u64>,
+    /// The number of messages by channel, according to the file's own index.
+    claimed: BTreeMap<u16, u64>,
+    /// True if the file's own index lists chunks.
+    has_chunk_index: bool,
 }
+
+/// The longest accepted name of a schema. Each topic of the file repeats it.
+const MAX_SCHEMA_NAME: usize = 1_024;
 
 /// A topic and its contents.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -38,7 +46,7 @@ pub struct TopicInfo {
     pub schema: String,
     /// The schema's text or descriptor; omitted where topics are listed.
     #[serde(skip)]
-    pub schema_data: Vec<u8>,
+    pub schema_data: Arc<[u8]>,
     /// `json` or `protobuf`.
     pub encoding: String,
     /// The number of messages.
@@ -120,36 +128,41 @@ impl Recording {
         if !bytes.starts_with(MAGIC) {
             return Err(error::foreign(path, &bytes));
         }
-        check_unpacked(path, &bytes)?;
         let damaged = error::damaged(path);
+        records::check_unpacked(&bytes).map_err(error::damaged(path))?;
         let mut recording = Self {
             path: path.to_owned(),
-            summary: Summary::default(),
             attachments: Vec::new(),
             metadata: BTreeMap::new(),
+            channels: BTreeMap::new(),
             counts: BTreeMap::new(),
+            claimed: BTreeMap::new(),
+            has_chunk_index: false,
             bytes: Vec::new(),
         };
         recording.scan(&bytes).map_err(&damaged)?;
-        let summary = Summary::read(&bytes).map_err(&damaged)?;
-        recording.summary = summary.ok_or_else(|| damaged(McapError::BadFooter))?;
         recording.bytes = bytes;
         Ok(recording)
     }
 
-    /// Reads every record, verifies all checksums, and stores attachments and metadata.
+    /// Reads every record, verifies all checksums, and stores everything but the messages.
     fn scan(&mut self, bytes: &[u8]) -> McapResult<()> {
         let options = LinearReaderOptions::default()
             .with_check_finishes_after_end_magic(true)
             .with_validate_data_section_crc(true)
             .with_validate_summary_section_crc(true);
+        let mut known = ChannelAccumulator::default();
         for record in Records::new(bytes, bytes.len() as u64, options) {
-            self.keep(record?);
+            self.keep(record?, &mut known)?;
         }
         Ok(())
     }
 
-    fn keep(&mut self, record: Record<'_>) {
+    fn keep(
+        &mut self,
+        record: Record<'static>,
+        known: &mut ChannelAccumulator<'static>,
+    ) -> McapResult<()> {
         match record {
             Record::Attachment { header, data, .. } => self.attachments.push(Attachment {
                 name: header.name,
@@ -159,11 +172,31 @@ impl Recording {
             Record::Metadata(record) => {
                 self.metadata.insert(record.name, record.metadata);
             }
+            Record::Schema { header, .. } if header.name.len() > MAX_SCHEMA_NAME => {
+                return Err(McapError::RecordTooLarge {
+                    opcode: op::SCHEMA,
+                    len: header.name.len() as u64,
+                });
+            }
+            Record::Schema { header, data } => known.add_schema(header, data)?,
+            Record::Channel(channel) => {
+                let id = channel.id;
+                known.add_channel(channel)?;
+                self.channels
+                    .extend(known.get(id).map(|channel| (id, channel)));
+            }
+            Record::Statistics(counted) => self.claimed = counted.channel_message_counts,
+            Record::ChunkIndex(_) => self.has_chunk_index = true,
+            // Viewers need the index.
+            Record::Footer(footer) if footer.summary_start == 0 => {
+                return Err(McapError::BadFooter);
+            }
             Record::Message { header, .. } => {
                 *self.counts.entry(header.channel_id).or_default() += 1;
             }
             _ => {}
         }
+        Ok(())
     }
 
     /// Returns the error that the recording is damaged, with this cause.
@@ -183,13 +216,15 @@ impl Recording {
 
     /// Returns the topics in order of their names.
     pub fn topics(&self) -> Vec<TopicInfo> {
-        let channels: BTreeMap<_, _> = self.summary.channels.iter().collect();
-        let topics = channels.into_iter().map(|(id, channel)| {
+        // Many topics may share a schema.
+        let mut schemas: BTreeMap<u16, Arc<[u8]>> = BTreeMap::new();
+        let topics = self.channels.iter().map(|(id, channel)| {
             let schema = channel.schema.as_ref();
+            let data = schema.map(|s| schemas.entry(s.id).or_insert_with(|| (&*s.data).into()));
             TopicInfo {
                 name: channel.topic.clone(),
                 schema: schema.map_or_else(String::new, |s| s.name.clone()),
-                schema_data: schema.map_or_else(Vec::new, |s| s.data.to_vec()),
+                schema_data: data.map_or_else(|| Arc::from([]), |data| Arc::clone(data)),
                 encoding: channel.message_encoding.clone(),
                 messages: self.counts.get(id).copied().unwrap_or(0),
             }
@@ -251,41 +286,22 @@ impl Recording {
 
     /// Returns the number of messages by topic, according to the file's own index.
     pub(super) fn claimed(&self) -> BTreeMap<String, u64> {
-        let stats = self.summary.stats.as_ref();
-        let channels: BTreeMap<_, _> = self.summary.channels.iter().collect();
         let mut claimed = BTreeMap::new();
-        for (id, channel) in channels {
-            let own = stats.and_then(|stats| stats.channel_message_counts.get(id));
+        for (id, channel) in &self.channels {
+            let own = self.claimed.get(id);
             let sum: &mut u64 = claimed.entry(channel.topic.clone()).or_default();
             *sum = sum.saturating_add(own.copied().unwrap_or(0));
         }
         claimed
     }
 
-    /// Returns the file's own index.
-    pub(crate) fn summary(&self) -> &Summary {
-        &self.summary
+    /// Returns true if the file's own index lists chunks.
+    pub(super) fn has_chunk_index(&self) -> bool {
+        self.has_chunk_index
     }
 }
 
 /// Returns true if the name is that of a recording that is still being written.
 fn is_unfinished(path: &Path) -> bool {
     path.extension().is_some_and(|end| end == "part")
-}
-
-/// Rejects a file that unpacks to far more bytes than its size, before unpacking any of it.
-fn check_unpacked(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let most = disk::most_unpacked(bytes.len() as u64);
-    let options = LinearReaderOptions::default().with_emit_chunks(true);
-    let sizes = Records::new(bytes, bytes.len() as u64, options).map(|record| match record {
-        Ok(Record::Chunk { header, .. }) => header.uncompressed_size,
-        _ => 0,
-    });
-    let unpacked = sizes.fold(0, u64::saturating_add);
-    match unpacked <= most {
-        true => Ok(()),
-        false => Err(error::damaged(path)(format!(
-            "its chunks unpack to {unpacked} bytes, but at most {most} are accepted for a file of its size"
-        ))),
-    }
 }

@@ -81,6 +81,24 @@ pub(in crate::record) fn messages(
     })
 }
 
+/// Rejects a file that unpacks to far more bytes than its size, before unpacking any of it. `Err`
+/// describes the fault.
+pub(in crate::record) fn check_unpacked(bytes: &[u8]) -> Result<(), String> {
+    let most = disk::most_unpacked(bytes.len() as u64);
+    let options = LinearReaderOptions::default().with_emit_chunks(true);
+    let sizes = Records::new(bytes, bytes.len() as u64, options).map(|record| match record {
+        Ok(Record::Chunk { header, .. }) => header.uncompressed_size,
+        _ => 0,
+    });
+    let unpacked = sizes.fold(0, u64::saturating_add);
+    match unpacked <= most {
+        true => Ok(()),
+        false => Err(format!(
+            "its chunks unpack to {unpacked} bytes, but at most {most} are accepted for a file of its size"
+        )),
+    }
+}
+
 /// Returns the maximum accepted length of a record in a file of this many bytes: damaged lengths in
 /// a small file must not fill the memory. A record is copied up to four times.
 fn longest_record(bytes: u64) -> usize {

@@ -1,6 +1,6 @@
 //! Recordings of drives: sensor readings, commands and decisions.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
@@ -39,6 +39,8 @@ const TOPICS: [Topic; 10] = [
 /// the drive can be repeated.
 pub struct DriveBag {
     path: PathBuf,
+    part: PathBuf,
+    replace: bool,
     writer: RosWriter<BufWriter<File>>,
     /// The names of the faults in the last fault message.
     faults: Vec<&'static str>,
@@ -46,19 +48,21 @@ pub struct DriveBag {
 }
 
 impl DriveBag {
-    /// Starts a recording in a new file, with the walls of the maze.
+    /// Starts a recording, with the walls of the maze. It is called `path.part` until it is finished;
+    /// until then, an earlier file is left as it is.
     ///
     /// # Errors
     /// Returns an error if the file cannot be written, or exists and must not be replaced.
     pub fn create(path: &Path, replace: bool, maze: &Maze, time_ns: u64) -> Result<Self, Error> {
-        let mut options = OpenOptions::new();
-        options.write(true).truncate(replace).create(replace);
+        let part = disk::part(path);
         let file = disk::require_free(path, replace)
-            .and_then(|()| options.create_new(!replace).open(path))
+            .and_then(|()| disk::create(&part))
             .map_err(disk::cannot_create(path))?;
         let file = BufWriter::new(file);
         let mut bag = Self {
             path: path.to_owned(),
+            part,
+            replace,
             writer: RosWriter::begin(file, &TOPICS).map_err(error::write(path))?,
             faults: Vec::new(),
             clock_ns: None,
@@ -121,13 +125,18 @@ impl DriveBag {
         written.map_err(error::write(&self.path))
     }
 
-    /// Finishes the recording.
+    /// Finishes the recording, and gives it its name.
     ///
     /// # Errors
     /// Returns an error if the disk is full or fails.
     pub fn finish(self) -> Result<(), Error> {
-        let ended = self.writer.finish().map(drop);
-        ended.map_err(error::write(&self.path))
+        let saved = self.writer.finish().and_then(|file| {
+            let file = file.into_inner().map_err(|e| e.into_error())?;
+            file.sync_all()?;
+            disk::require_free(&self.path, self.replace)?;
+            Ok(fs::rename(&self.part, &self.path)?)
+        });
+        saved.map_err(error::write(&self.path))
     }
 }
 
@@ -153,6 +162,7 @@ impl DriveRecording {
             return Err(error::foreign(path, &bytes));
         }
         let damaged = error::damaged::<String>(path);
+        records::check_unpacked(&bytes).map_err(&damaged)?;
         let mut recording = Self::default();
         let mut clock_ns = None;
         for message in records::messages(&bytes) {
@@ -265,5 +275,34 @@ mod tests {
         let kept = create(false).err().expect("the file exists").to_string();
         assert!(kept.contains("`--force`"), "{kept}");
         assert!(create(true).is_ok(), "control");
+    }
+    #[test]
+    fn a_bag_that_unpacks_to_much_is_refused_before_it_is_unpacked() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bomb");
+        let mut writer = RosWriter::begin(File::create(&path).unwrap(), &[Topic::Scan]).unwrap();
+        let zeros = vec![0; 1 << 20];
+        for time_ns in 0..64 {
+            writer.write(Topic::Scan, time_ns, &zeros).unwrap();
+        }
+        writer.finish().unwrap();
+        assert!(path.metadata().unwrap().len() < 100_000);
+        let fault = DriveRecording::read(&path).unwrap_err().to_string();
+        assert!(fault.contains("unpack to"), "{fault}");
+    }
+
+    #[test]
+    fn an_unfinished_bag_leaves_an_earlier_one_as_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bag");
+        let earlier = || std::fs::read(&path).unwrap() == b"mine";
+        std::fs::write(&path, "mine").unwrap();
+        let rows = br######"{ "rows": ["####", "#SG#", "####"] }"######;
+        let maze = Maze::from_json(rows, "rows").unwrap();
+        drop(DriveBag::create(&path, true, &maze, 0).unwrap());
+        assert!(earlier(), "replaced before it was finished");
+        let bag = DriveBag::create(&path, true, &maze, 0).unwrap();
+        bag.finish().unwrap();
+        assert!(!earlier(), "control");
     }
 }

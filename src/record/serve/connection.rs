@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 /// The maximum number of connections. It suffices for a few browsers, and is low enough for `ulimit
 /// -n 64` if each connection takes a socket and a file.
 const MAX_CONNECTIONS: usize = 24;
-/// The time after which writing to a blocked connection fails.
+/// The time in which the other side must read the bytes of one call of [`Connection::send`].
 const STALL_TIME: Duration = Duration::from_secs(10);
 /// The maximum time and number of bytes to read and discard at the end. Closing a connection with
 /// unread bytes would discard the answer.
@@ -30,9 +30,7 @@ impl Connection {
     /// Accepts a connection; returns the stream if there is no slot.
     pub fn accept(stream: TcpStream, slots: &Slots) -> Result<Self, TcpStream> {
         let is_full = Arc::strong_count(&slots.0) > MAX_CONNECTIONS;
-        let prepared = stream
-            .set_nodelay(true)
-            .and_then(|()| stream.set_write_timeout(Some(STALL_TIME)));
+        let prepared = stream.set_nodelay(true);
         match is_full || prepared.is_err() {
             true => Err(stream),
             false => Ok(Self {
@@ -56,8 +54,22 @@ impl Connection {
     ///
     /// # Errors
     /// If the connection is closed, or the other side reads nothing for too long.
-    pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.stream.write_all(bytes)
+    pub fn send(&mut self, mut bytes: &[u8]) -> io::Result<()> {
+        let until = Instant::now() + STALL_TIME;
+        while !bytes.is_empty() {
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Err(ErrorKind::TimedOut.into());
+            }
+            self.stream.set_write_timeout(Some(left))?;
+            match self.stream.write(bytes) {
+                Ok(0) => return Err(ErrorKind::WriteZero.into()),
+                Ok(written) => bytes = &bytes[written..],
+                Err(cause) if cause.kind() == ErrorKind::Interrupted => {}
+                Err(cause) => return Err(cause),
+            }
+        }
+        Ok(())
     }
 
     /// Shuts down writing, and waits until the other side has read the answer.

@@ -126,13 +126,18 @@ impl Listener {
 
     /// Returns the head if the request is allowed. The error is an HTTP status.
     fn check(&self, head: Head) -> Result<Head, u16> {
-        let hosts = [
-            format!("127.0.0.1:{}", self.port),
-            format!("localhost:{}", self.port),
-        ];
+        let names = ["127.0.0.1", "localhost"];
+        let is_ours = |host: &String| {
+            // Browsers leave out the port of the protocol.
+            let named = names.iter().find_map(|name| host.strip_prefix(name));
+            named.is_some_and(|port| match port.strip_prefix(':') {
+                Some(port) => port == self.port.to_string(),
+                None => port.is_empty() && self.port == 80,
+            })
+        };
         match &head.host {
             None => return Err(400),
-            Some(host) if !hosts.contains(host) => return Err(421),
+            Some(host) if !is_ours(host) => return Err(421),
             Some(_) => {}
         }
         match &head.origin {
@@ -186,4 +191,41 @@ pub fn status_line(status: u16) -> String {
         _ => "Service Unavailable",
     };
     format!("HTTP/1.1 {status} {reason}\r\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn status(port: u16, host: &str) -> Option<u16> {
+        let listener = Listener {
+            port,
+            ..Listener::bind(0).unwrap()
+        };
+        let head = Head {
+            method: "GET".to_owned(),
+            target: "/".to_owned(),
+            origin: None,
+            range: None,
+            received: Vec::new(),
+            host: Some(host.to_owned()),
+        };
+        listener.check(head).err()
+    }
+
+    #[test]
+    fn a_host_without_a_port_is_this_machine_only_on_the_port_of_the_protocol() {
+        for host in ["127.0.0.1", "localhost", "localhost:80"] {
+            assert_eq!(status(80, host), None, "{host}");
+        }
+        for (port, host) in [
+            (8000, "127.0.0.1"),
+            (80, "localhost:8000"),
+            (80, "localhost.evil.example"),
+            (80, "evil.example"),
+        ] {
+            assert_eq!(status(port, host), Some(421), "{host}");
+        }
+        assert_eq!(status(8000, "localhost:8000"), None);
+    }
 }

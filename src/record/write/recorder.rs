@@ -132,8 +132,13 @@ impl Recorder {
     ///
     /// # Errors
     /// That error.
-    pub fn check(&mut self) -> Result<(), Error> {
-        self.error.take().map_or(Ok(()), Err)
+    pub fn check(&self) -> Result<(), Error> {
+        self.error.clone().map_or(Ok(()), Err)
+    }
+
+    /// Makes the whole recording fail with this error, unless it has failed before.
+    pub(crate) fn fail(&mut self, error: Error) {
+        self.error.get_or_insert(error);
     }
 
     /// Attaches a text to `run.mcap` when it is finished.

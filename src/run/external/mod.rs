@@ -145,7 +145,8 @@ impl ExternalRecorder {
     /// Repeats an episode and records it. Returns the robot's state at the end.
     ///
     /// # Errors
-    /// If the episode is impossible in this world, or a file cannot be written.
+    /// If the episode is impossible in this world, or a file cannot be written. If the robot reaches
+    /// the goal before the last action, the whole recording fails.
     pub fn record(&mut self, episode: ExternalEpisode) -> Result<Sample, Error> {
         let number = self.episodes.len() + 1;
         let fault =
@@ -175,9 +176,12 @@ impl ExternalRecorder {
         }
         if done.steps as usize != episode.actions.len() {
             let steps = done.steps;
-            return Err(fault(format!(
+            let error = fault(format!(
                 "the robot is at the goal after {steps} steps, but there are more actions"
-            )));
+            ));
+            // The episode is already in the recording, which would not be that of the others.
+            self.recorder.fail(error.clone());
+            return Err(error);
         }
         self.episodes.push(episode);
         Ok(end)
