@@ -71,7 +71,7 @@ pub enum Command {
     /// Run many trials and compare methods.
     #[command(subcommand)]
     Study(StudyCommand),
-    /// Draw the learned policy over the maze, or how it forms.
+    /// Draw the learned policy over the maze.
     Map(MapArgs),
     /// Check, show, describe and generate world files.
     #[command(subcommand)]

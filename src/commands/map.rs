@@ -1,10 +1,9 @@
-//! `xcscr map`: draws the policy over the maze, as a picture or an animation.
+//! `xcscr map`: draws the policy over the maze.
 
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
 use xcscr::disk;
-use xcscr::picture::Scenes;
 use xcscr::run::{Rerun, RunFolder, Source};
 use xcscr::trial::Plan;
 
@@ -20,11 +19,8 @@ pub struct MapArgs {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Show the policy after this episode [default: that of the recording, or the last].
-    #[arg(long, value_name = "N", conflicts_with = "animate")]
+    #[arg(long, value_name = "N")]
     episode: Option<u32>,
-    /// Show how the policy forms over the episodes.
-    #[arg(long)]
-    animate: bool,
     /// Replace the picture if it exists.
     #[arg(long)]
     force: bool,
@@ -42,15 +38,10 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let kind = Kind::of(&args.output)?;
     let file = OutputFile::free(&args.output, args.force)?;
     let (plan, shown) = plan(args)?;
-    let scenes = match args.episode.or(shown) {
-        _ if args.animate => Scenes::Forming,
-        Some(episode) => Scenes::After(episode),
-        None => Scenes::Last,
-    };
-    let animation = Rerun::training(plan).animation(scenes)?;
+    let picture = Rerun::training(plan).picture(args.episode.or(shown))?;
     let picture = match kind {
-        Kind::Svg => animation.svg().into_bytes(),
-        Kind::Png => animation.png()?,
+        Kind::Svg => picture.svg().into_bytes(),
+        Kind::Png => picture.png()?,
     };
     file.write(&picture)
 }
@@ -60,7 +51,7 @@ impl Kind {
         let extension = file.extension().map(|e| e.to_ascii_lowercase());
         match extension.as_ref().and_then(|e| e.to_str()) {
             Some("svg") => Ok(Self::Svg),
-            Some("png" | "apng") => Ok(Self::Png),
+            Some("png") => Ok(Self::Png),
             _ => {
                 let message = format!(
                     "{} is not a picture file name: it must end in .svg or .png",

@@ -8,8 +8,6 @@
 //! All formats show one `model`. Source code is rendered from a template for each language, which
 //! fills in tables and constants and includes source files that are the same in every export.
 
-#[cfg(test)]
-mod compiled;
 mod maps;
 mod model;
 mod policy;
@@ -28,8 +26,6 @@ use strum::{IntoStaticStr, VariantArray};
 pub enum Target {
     /// A C99 header with a table and a function, without allocation, libm or recursion.
     C99,
-    /// A Rust module without the standard library.
-    Rust,
     /// A Python module.
     Python,
     /// A table of rules.
@@ -53,7 +49,6 @@ impl Target {
     pub fn text(self, policy: &Policy, provenance: &Provenance) -> String {
         let template = match self {
             Self::C99 => "policy.h",
-            Self::Rust => "policy.rs",
             Self::Python => "policy.py",
             Self::Dot => "policy.dot",
             Self::Csv => return Model::new(policy, provenance).csv(),

@@ -6,10 +6,9 @@ use minijinja::{Environment, UndefinedBehavior, Value, context};
 use serde::Serialize;
 
 /// The templates by name.
-const TEMPLATES: [(&str, &str); 5] = [
+const TEMPLATES: [(&str, &str); 4] = [
     ("constants", include_str!("templates/constants.jinja")),
     ("policy.h", include_str!("templates/policy.h.jinja")),
-    ("policy.rs", include_str!("templates/policy.rs.jinja")),
     ("policy.py", include_str!("templates/policy.py.jinja")),
     ("policy.dot", include_str!("templates/policy.dot.jinja")),
 ];
@@ -22,7 +21,7 @@ macro_rules! files {
 }
 
 /// The source files that templates include.
-const FILES: [(&str, &str); 34] = files![
+const FILES: [(&str, &str); 20] = files![
     "percept.h",
     "masks.h",
     "ranges.h",
@@ -33,20 +32,6 @@ const FILES: [(&str, &str); 34] = files![
     "neighbours.h",
     "lidar.h",
     "scan.h",
-    "percept.rs",
-    "masks.rs",
-    "ranges.rs",
-    "context.rs",
-    "decide.rs",
-    "whole.rs",
-    "real.rs",
-    "tracker.rs",
-    "exact.rs",
-    "noisy.rs",
-    "grid.rs",
-    "neighbours.rs",
-    "lidar.rs",
-    "scan.rs",
     "percept.py",
     "masks.py",
     "ranges.py",

@@ -1,9 +1,9 @@
-//! Draws the frames of an animation.
+//! Draws a picture of a policy.
 
 use std::collections::BTreeSet;
 
-use super::animation::{Animation, Moment};
 use super::colours::{NO_GOAL, css, shade};
+use super::policy_picture::{Moment, PolicyPicture};
 use super::svg::{Drawing, Element, SCALE, decimals, short};
 use crate::world::{Cell, Direction, Maze, Paths};
 
@@ -47,21 +47,18 @@ struct Plane<'a> {
     height: f64,
 }
 
-/// Draws all frames of an animation.
-pub(super) fn draw(animation: &Animation) -> Drawing {
-    let plane = Plane::new(&animation.maze);
-    let frames = animation.moments.iter();
-    let longest = frames.clone().map(|frame| frame.greedy_path.len()).max();
+/// Draws a picture of a policy.
+pub(super) fn draw(picture: &PolicyPicture) -> Drawing {
+    let plane = Plane::new(&picture.maze);
+    let mut elements = plane.ground();
+    elements.extend(plane.episode(&picture.moment, &picture.paths));
+    elements.extend(plane.labels(picture));
     Drawing {
         width: plane.width as u32,
         height: plane.height as u32,
-        title: animation.title.clone(),
+        title: picture.title.clone(),
         definitions: ARROW,
-        ground: plane.ground(),
-        frames: frames
-            .map(|frame| plane.frame(frame, longest.unwrap_or(0), &animation.paths))
-            .collect(),
-        labels: plane.labels(animation),
+        elements,
     }
 }
 
@@ -110,9 +107,8 @@ impl<'a> Plane<'a> {
         shapes
     }
 
-    /// Returns the elements that change from frame to frame: visited cells, path, arrows, caption.
-    /// The path gets `longest` points, as in all frames.
-    fn frame(&self, frame: &Moment, longest: usize, paths: &Paths) -> Vec<Element> {
+    /// Returns visited cells, path, arrows and caption.
+    fn episode(&self, frame: &Moment, paths: &Paths) -> Vec<Element> {
         let mut shapes = Vec::new();
         let visited = frame.visited.iter().map(|&cell| self.maze.index(cell));
         let visited: BTreeSet<usize> = visited.collect();
@@ -128,7 +124,7 @@ impl<'a> Plane<'a> {
         let tile = |(cell, fill, _)| self.tile(cell, 0.06 * self.cell, fill);
         shapes.extend(self.marked().map(tile));
         let path = frame.greedy_path.iter().map(|&cell| self.centre(cell));
-        shapes.push(path_line(path.collect(), longest, 0.12 * self.cell));
+        shapes.push(path_line(&path.collect::<Vec<_>>(), 0.12 * self.cell));
         shapes.extend(self.arrows(frame));
         let caption = frame.caption(self.maze, paths);
         shapes.push(words(MARGIN, 46.0, 13.0, FAINT, caption));
@@ -166,17 +162,17 @@ impl<'a> Plane<'a> {
     }
 
     /// Returns the letters of marked cells, the title and the legend.
-    fn labels(&self, animation: &Animation) -> Vec<Element> {
+    fn labels(&self, picture: &PolicyPicture) -> Vec<Element> {
         let letter = |(cell, _, text)| {
             let (left, top) = self.corner(cell);
             let size = 0.24 * self.cell;
             words(left + 0.1 * self.cell, top + 1.25 * size, size, INK, text)
         };
         let mut shapes: Vec<Element> = self.marked().map(letter).collect();
-        shapes.push(words(MARGIN, 26.0, 17.0, INK, &animation.title));
+        shapes.push(words(MARGIN, 26.0, 17.0, INK, &picture.title));
         shapes.extend(self.legend());
         let third = self.height - FOOT + 26.0 + 48.0;
-        shapes.push(words(MARGIN, third, 12.0, INK, animation.arrows));
+        shapes.push(words(MARGIN, third, 12.0, INK, picture.arrows));
         shapes
     }
 
@@ -192,7 +188,7 @@ impl<'a> Plane<'a> {
             says(50.0, first, "near the goal"),
             sample(152.0, first, 0.0),
             says(186.0, first, "far from it"),
-            path_line(path, 2, 7.0),
+            path_line(&path, 7.0),
             says(320.0, first, "greedy path: the best actions"),
             block(MARGIN + 4.0, second - 13.0, 17.0, 17.0, VISITED),
             says(50.0, second, "visited in this episode"),
@@ -214,12 +210,8 @@ fn block(left: f64, top: f64, width: f64, height: f64, fill: u32) -> Element {
     Element::new("rect", attributes)
 }
 
-/// Draws a path through points. The last point is repeated up to `longest` points, because viewers
-/// differ in how they change to a path of another length.
-fn path_line(mut points: Vec<(f64, f64)>, longest: usize, width: f64) -> Element {
-    if let Some(&last) = points.last() {
-        points.resize(longest, last);
-    }
+/// Draws a path through points.
+fn path_line(points: &[(f64, f64)], width: f64) -> Element {
     let points = points
         .iter()
         .map(|(x, y)| format!("{},{}", short(*x), short(*y)));

@@ -1,13 +1,9 @@
-//! SVG documents, static or animated (SMIL).
+//! SVG documents.
 
 use std::fmt::Write;
 
 use crate::page::escaped;
 
-/// Duration of a frame of an animation, in milliseconds.
-pub(super) const FRAME_MS: u32 = 250;
-/// Duration of the last frame, in milliseconds.
-pub(super) const LAST_FRAME_MS: u32 = 3000;
 /// The attribute that scales an element about its origin.
 pub(super) const SCALE: &str = "scale";
 
@@ -21,8 +17,7 @@ pub(super) struct Element {
     group: String,
 }
 
-/// A picture of one frame or several. All frames have the same kinds of elements, with the same
-/// attributes, in the same order.
+/// A picture.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Drawing {
     pub width: u32,
@@ -30,12 +25,8 @@ pub(super) struct Drawing {
     pub title: String,
     /// The elements that others use by their identifiers.
     pub definitions: &'static str,
-    /// The static elements below the frames.
-    pub ground: Vec<Element>,
-    /// The elements of each frame; at least one frame.
-    pub frames: Vec<Vec<Element>>,
-    /// The static elements above the frames.
-    pub labels: Vec<Element>,
+    /// The elements, from the ground up.
+    pub elements: Vec<Element>,
 }
 
 impl Element {
@@ -68,13 +59,8 @@ impl Element {
 }
 
 impl Drawing {
-    /// Renders all frames as a document.
+    /// Renders a document.
     pub fn document(&self) -> String {
-        self.document_of(&self.frames)
-    }
-
-    /// Renders some of the frames as a document.
-    pub fn document_of(&self, frames: &[Vec<Element>]) -> String {
         let (width, height) = (self.width, self.height);
         let mut text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
@@ -84,100 +70,35 @@ impl Drawing {
             escaped(&self.title),
             self.definitions
         );
-        let clock = Clock::new(frames.len());
-        for element in &self.ground {
-            write(&mut text, &[element], &clock);
+        for element in &self.elements {
+            write(&mut text, element);
         }
-        for number in 0..frames[0].len() {
-            let track: Vec<&Element> = frames.iter().map(|frame| &frame[number]).collect();
-            write(&mut text, &track, &clock);
-        }
-        for element in &self.labels {
-            write(&mut text, &[element], &clock);
-        }
-        text.push_str("</svg>\n");
+        text.push_str(
+            "</svg>
+",
+        );
         text
     }
 }
 
-/// The start of each frame, as a share of the total duration.
-struct Clock {
-    key_times: String,
-    total_ms: u32,
-}
-
-impl Clock {
-    fn new(frames: usize) -> Self {
-        let total_ms = (frames as u32 - 1) * FRAME_MS + LAST_FRAME_MS;
-        let share = |frame: usize| frame as f64 * f64::from(FRAME_MS) / f64::from(total_ms);
-        let shares: Vec<String> = (0..frames).map(|frame| decimals(share(frame), 3)).collect();
-        Self {
-            key_times: shares.join(";"),
-            total_ms,
-        }
-    }
-
-    /// Returns the animation of an attribute; empty if all its values are equal. Values change
-    /// without interpolation.
-    fn animation(&self, name: &str, values: &[&str]) -> String {
-        if values.iter().all(|value| *value == values[0]) {
-            return String::new();
-        }
-        let what = match name {
-            SCALE => "animateTransform type=\"scale\" attributeName=\"transform\"".to_owned(),
-            _ => format!("animate attributeName=\"{name}\""),
-        };
-        let (times, total_ms, values) = (&self.key_times, self.total_ms, values.join(";"));
-        format!(
-            "<{what} keyTimes=\"{times}\" dur=\"{total_ms}ms\" calcMode=\"discrete\" \
-             repeatCount=\"indefinite\" values=\"{values}\"/>"
-        )
-    }
-}
-
-/// Writes an element over all frames; nothing if it is never visible. Viewers without animation
-/// show the last frame.
-fn write(out: &mut String, track: &[&Element], clock: &Clock) {
-    let last = track[track.len() - 1];
-    if track.iter().all(|element| element.is_hidden()) {
+/// Writes an element; nothing if it is invisible.
+fn write(out: &mut String, element: &Element) {
+    if element.is_hidden() {
         return;
     }
-    if track.iter().any(|element| element.text != last.text) {
-        return write_texts(out, track, clock);
-    }
-    let (tag, is_grouped) = (last.tag, !last.group.is_empty());
+    let (tag, is_grouped) = (element.tag, !element.group.is_empty());
     if is_grouped {
-        let _ = write!(out, "<g transform=\"{}\">", last.group);
+        let _ = write!(out, "<g transform=\"{}\">", element.group);
     }
     let _ = write!(out, "<{tag}");
-    for (name, value) in &last.attributes {
+    for (name, value) in &element.attributes {
         let _ = match *name {
             SCALE => write!(out, " transform=\"scale({value})\""),
             _ => write!(out, " {name}=\"{value}\""),
         };
     }
-    let _ = write!(out, ">{}", escaped(&last.text));
-    for (number, (name, _)) in last.attributes.iter().enumerate() {
-        let values = track
-            .iter()
-            .map(|element| element.attributes[number].1.as_str());
-        out.push_str(&clock.animation(name, &values.collect::<Vec<_>>()));
-    }
+    let _ = write!(out, ">{}", escaped(&element.text));
     let _ = write!(out, "</{tag}>{}", if is_grouped { "</g>\n" } else { "\n" });
-}
-
-/// Writes the text of each frame as its own element, because text cannot be animated.
-fn write_texts(out: &mut String, track: &[&Element], clock: &Clock) {
-    for (own, element) in track.iter().enumerate() {
-        let shown = (0..track.len()).map(|at| {
-            let display = if at == own { "inline" } else { "none" };
-            let mut element = (*element).clone();
-            element.attributes.push(("display", display.to_owned()));
-            element
-        });
-        let shown: Vec<Element> = shown.collect();
-        write(out, &shown.iter().collect::<Vec<_>>(), clock);
-    }
 }
 
 /// Formats a length with at most two decimals.
@@ -205,51 +126,5 @@ mod tests {
         assert_eq!(short(100.0), "100");
         assert_eq!(short(1.239), "1.24");
         assert_eq!(decimals(0.0, 1), "0");
-    }
-
-    /// Returns a frame with each kind of attribute that changes.
-    fn frame(fill: &str, scale: &str, said: &str) -> Vec<Element> {
-        let fill = ("fill", fill.to_owned());
-        vec![
-            Element::new("rect", [("width", "8".to_owned()), fill.clone()]),
-            Element::new("polyline", [("points", format!("0,0 {scale},0"))]),
-            Element::new("use", [(SCALE, scale.to_owned()), fill]).in_group("rotate(45)".into()),
-            Element::new("text", []).with_text(said),
-        ]
-    }
-
-    /// Returns what a viewer without animation support shows.
-    fn without_animation(svg: &str) -> String {
-        let lines = svg
-            .lines()
-            .filter(|line| !line.contains(" display=\"none\""));
-        let shown = lines.collect::<Vec<_>>().join("\n");
-        let mut shown = shown.replace(" display=\"inline\"", "");
-        while let Some(from) = shown.find("<animate") {
-            let to = from + shown[from..].find("/>").unwrap() + 2;
-            shown.replace_range(from..to, "");
-        }
-        shown + "\n"
-    }
-
-    #[test]
-    fn viewers_without_animation_show_the_last_frame_in_all_its_parts() {
-        let (first, last) = (frame("#c00", "2", "one"), frame("#0c0", "5", "two"));
-        let svg = |frames| {
-            let drawing = Drawing {
-                width: 9,
-                height: 9,
-                title: String::new(),
-                definitions: "",
-                ground: vec![],
-                frames,
-                labels: vec![],
-            };
-            drawing.document()
-        };
-        let moving = svg(vec![first.clone(), last.clone()]);
-        assert_eq!(moving.matches("<animate").count(), 6, "{moving}");
-        assert_eq!(without_animation(&moving), svg(vec![last]));
-        assert_ne!(without_animation(&moving), svg(vec![first]), "control");
     }
 }

@@ -8,7 +8,7 @@ use super::facts::run_info;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::error::Error;
-use crate::picture::{Animation, Scenes};
+use crate::picture::PolicyPicture;
 use crate::record::{RecordMode, Recorder};
 use crate::trial::{Evaluation, Plan, Trial};
 
@@ -51,13 +51,14 @@ impl Rerun {
         Ok(knowledge.clone())
     }
 
-    /// Repeats the run as far as needed, and returns its policy as a picture or an animation.
+    /// Repeats the run as far as needed, and returns a picture of its policy after an
+    /// episode, or after the last one.
     ///
     /// # Errors
     /// When the run cannot be repeated or has no such episode, or when the maze has more than a million
     /// cells.
-    pub fn animation(&self, scenes: Scenes) -> Result<Animation, Error> {
-        Animation::of(&self.plan, scenes, |camera| self.watch(camera))
+    pub fn picture(&self, after: Option<u32>) -> Result<PolicyPicture, Error> {
+        PolicyPicture::of(&self.plan, after, |camera| self.watch(camera))
     }
 
     /// Repeats the run and records it in a folder. Returns the knowledge at the end. `observer`

@@ -5,12 +5,11 @@ use xcscr::agent::Knowledge;
 use xcscr::page::Table;
 use xcscr::xcs::{Classifier, Population};
 
+use super::Shown;
 use super::listing::{COLUMNS, Row};
-use super::{Shown, predicted};
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
 use crate::commands::results::Results;
-use crate::commands::terminal::write_words;
 
 /// Prints the rules for a terminal.
 pub fn text(shown: &Shown<'_>, out: &mut Results) -> Result<(), Failure> {
@@ -24,10 +23,6 @@ pub fn text(shown: &Shown<'_>, out: &mut Results) -> Result<(), Failure> {
             out,
             "x and y: cells to the east and to the north of the goal."
         )?;
-    }
-    let predicted = predicted::lines(shown.knowledge, shown.plan);
-    if !predicted.is_empty() {
-        write_words(out, &format!("\nPredicted:\n  {}", predicted.join("\n  ")))?;
     }
     Ok(())
 }
@@ -85,7 +80,7 @@ fn csv_table(rows: Vec<Row>) -> Result<Vec<u8>, csv::Error> {
 }
 
 /// Describes the list of rules in one or two lines.
-pub fn headline(shown: &Shown<'_>) -> String {
+fn headline(shown: &Shown<'_>) -> String {
     let plan = shown.plan;
     let (world, sensor) = (plan.maze.name(), plan.config.sensor.name());
     let all = shown.knowledge.len();
@@ -103,7 +98,7 @@ pub fn headline(shown: &Shown<'_>) -> String {
 }
 
 /// Returns the rules as a table.
-pub fn table(rows: &[Row]) -> Table {
+fn table(rows: &[Row]) -> Table {
     Table::of(
         rows,
         &[

@@ -1,13 +1,8 @@
 //! `xcscr rules`: prints the learned rules.
 
-mod diff;
-mod predicted;
 mod formats;
 mod listing;
-mod page;
 mod why;
-
-use std::path::PathBuf;
 
 use clap::ValueEnum;
 use xcscr::ErrorKind;
@@ -34,10 +29,6 @@ pub struct RulesArgs {
     /// would change the choice, and the episodes that shaped the strongest rule.
     #[arg(long, value_name = "COL,ROW", value_parser = cell, conflicts_with_all = ["cell", "compact", "format", "json", "csv"])]
     why: Option<Cell>,
-    /// Print the rules that only one of the two has, and the cells in which their best actions
-    /// differ.
-    #[arg(long, value_name = "RUN|RULES", conflicts_with_all = ["why", "cell", "compact", "format", "json", "csv"])]
-    diff: Option<PathBuf>,
     /// Sort the rules by this column: largest first, except error and action.
     #[arg(long, value_name = "BY", default_value = "covers")]
     sort: Order,
@@ -65,9 +56,6 @@ enum Format {
     Json,
     /// A CSV table.
     Csv,
-    /// One self-contained page: the policy over the maze, the rules in a sortable table, and the
-    /// best actions in each cell.
-    Html,
 }
 
 fn cell(text: &str) -> Result<Cell, String> {
@@ -97,9 +85,6 @@ pub fn run(args: &RulesArgs, out: &mut Results) -> Result<(), Failure> {
             out,
         );
     }
-    if let Some(other) = &args.diff {
-        return diff::print((&plan, &knowledge), other, args.sort, out);
-    }
     let here = args.cell.map(|cell| perceived(&plan, cell)).transpose()?;
     let compacted = args
         .compact
@@ -120,7 +105,6 @@ pub fn run(args: &RulesArgs, out: &mut Results) -> Result<(), Failure> {
         Format::Text => formats::text(&shown, out),
         Format::Json => formats::json(&shown, out),
         Format::Csv => formats::csv(shown.rows, out),
-        Format::Html => page::print(&shown, args.learned.can_be_repeated(), out),
     }
 }
 

@@ -88,14 +88,14 @@ mod tests {
         let many = 4 << 20;
         let entities = [0x12, 0].repeat(many);
         let transforms = [0x0a, 0].repeat(many);
-        // Lines are the field 9 of an entity.
-        let lines = field(2, &field(9, b"").repeat(many));
+        // Lines are the field 11 of an entity.
+        let lines = field(2, &field(11, b"").repeat(many));
         let is_refused = |fault: String| fault.contains("far more memory");
         assert!(decoded::<SceneUpdate>(&entities).is_err_and(is_refused));
         assert!(decoded::<FrameTransforms>(&transforms).is_err_and(is_refused));
         assert!(decoded::<SceneUpdate>(&lines).is_err_and(is_refused));
         // Control: the fields are those of the messages.
-        let few = decoded::<SceneUpdate>(&field(2, &field(9, b"").repeat(3))).unwrap();
+        let few = decoded::<SceneUpdate>(&field(2, &field(11, b"").repeat(3))).unwrap();
         assert_eq!(few.entities[0].lines.len(), 3);
         assert_eq!(
             decoded::<SceneUpdate>(&entities[..6])

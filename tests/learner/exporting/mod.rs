@@ -103,14 +103,13 @@ fn with_another_action(header: &str) -> String {
 
 #[test]
 fn source_code_compiles_without_warnings_and_chooses_as_the_learner_in_every_percept() {
-    use Target::{C99, Python, Rust};
+    use Target::{C99, Python};
     for (target, world, method, sensor) in [
         (C99, "maze6", Method::XcscrPlus, Sensor::Neighbours),
         (C99, "maze6", Method::Xcscr, Sensor::Neighbours),
         (C99, "maze6", Method::QLearning, Sensor::Neighbours),
         (C99, "maze6", Method::XcscrPlus, Sensor::NeighboursPosition),
-        (Rust, "maze5", Method::XcscrPlus, Sensor::Neighbours),
-        (Rust, "maze5", Method::XcscrPlus, Sensor::LidarPosition),
+        (C99, "maze5", Method::XcscrPlus, Sensor::LidarPosition),
         (Python, "maze4", Method::XcscrPlus, Sensor::Neighbours),
         (Python, "maze4", Method::XcscrPlus, Sensor::Position),
     ] {

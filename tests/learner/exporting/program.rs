@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use xcscr::export::Target;
 use xcscr::world::{Cell, Maze};
 
-pub const LANGUAGES: [Target; 3] = [Target::C99, Target::Rust, Target::Python];
+pub const LANGUAGES: [Target; 2] = [Target::C99, Target::Python];
 
 /// A program made of an exported policy.
 pub struct Program {
@@ -26,11 +26,6 @@ impl Program {
                 write("policy.h", policy);
                 write("driver.c", include_str!("driver.c"));
                 compile_c(folder.path(), "driver.c");
-            }
-            Target::Rust => {
-                write("policy.rs", policy);
-                write("driver.rs", include_str!("driver.rs"));
-                compile_rust(folder.path(), policy);
             }
             _ => {
                 write("policy.py", policy);
@@ -88,26 +83,6 @@ pub fn compile_c(folder: &Path, file: &str) {
         .args(strict.split(' '))
         .args([file, "-o", "driver"]);
     fed(compiler.current_dir(folder), Vec::new());
-}
-
-/// Compiles `policy.rs` without the standard library, and `driver.rs` with it.
-fn compile_rust(folder: &Path, policy: &str) {
-    let rustc = |words: &str| {
-        let name = std::env::var("RUSTC").unwrap_or("rustc".to_owned());
-        let mut command = Command::new(name);
-        let command = command.args("--edition 2024 -D warnings".split(' '));
-        let command = command.args(words.split(' ')).current_dir(folder);
-        fed(command, Vec::new());
-    };
-    fs::write(folder.join("bare.rs"), "#![no_std]\npub mod policy;\n").unwrap();
-    rustc("--crate-type lib bare.rs");
-    let mut words = "--check-cfg cfg(scans,tracks) --extern bare=libbare.rlib".to_owned();
-    for (part, option) in [("Scan", "scans"), ("Tracker", "tracks")] {
-        if policy.contains(&format!("pub struct {part} ")) {
-            words += &format!(" --cfg {option}");
-        }
-    }
-    rustc(&format!("{words} driver.rs -o driver"));
 }
 
 /// Questions to an exported program, as `driver.c` lists them.
