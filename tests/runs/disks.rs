@@ -27,7 +27,7 @@ fn assert_whole(folder: &Path) {
 #[test]
 fn a_file_size_limit_ends_in_code_74_and_the_run_goes_on_when_it_is_lifted() {
     let desk = Desk::new();
-    let line = "train maze4 --episodes 60 --quiet --out @run";
+    let line = "train maze4 --episodes 120 --quiet --out @run";
     let limited = desk.limited("-f 150", line).output().unwrap();
     let (_, stderr) = ended(&limited, 74, "ulimit -f");
     assert!(
@@ -37,7 +37,7 @@ fn a_file_size_limit_ends_in_code_74_and_the_run_goes_on_when_it_is_lifted() {
     let run = desk.path("run");
     assert_whole(&run);
     desk.ok("train --resume @run");
-    let wanted = desk.train("wanted", "maze4 --episodes 60");
+    let wanted = desk.train("wanted", "maze4 --episodes 120");
     assert_same(&run, &wanted, "after the limit was lifted");
 }
 

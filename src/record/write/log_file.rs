@@ -101,11 +101,6 @@ impl<W: Write> LogFile<W> {
         })
     }
 
-    /// Closes the chunk and passes all data to the system.
-    pub fn flush(&mut self) -> McapResult<()> {
-        self.writer.flush()
-    }
-
     /// Writes the indexes and returns the sink.
     pub fn finish(self) -> McapResult<W> {
         sink::finish(self.writer)
@@ -215,7 +210,6 @@ mod tests {
         for time_ns in 0..50 {
             log.message(Topic::Step, time_ns, b"{}")?;
         }
-        log.flush()?;
         log.message(Topic::Log, 50, b"")?;
         log.finish().map(|_| ())
     }

@@ -243,9 +243,6 @@ impl Recorder {
         self.clock_ns = learned.view.now().time_ns;
         self.event_logger
             .ended(&mut self.outbox, episode, learned)?;
-        if let Some(run) = &mut self.outbox.run {
-            run.with(|log| log.flush())?;
-        }
         if let Some(file) = self.outbox.episode.take() {
             let (_, bytes) = file.finish()?;
             self.kept.push((episode.episode, bytes));
