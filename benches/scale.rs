@@ -48,8 +48,8 @@ impl Agent for Flipped {
         self.agent.choose(values, explorer)
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
-        self.agent.update(action, outcome)
+    fn update(&mut self, action: Action, outcome: Outcome, next: Option<&Percept>) -> StepCredit {
+        self.agent.update(action, outcome, next)
     }
 
     fn end_episode(&mut self, reached_goal: bool) -> EndCredit {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use xcscr::study::{Overrides, Protocol, Report, Shard, Study, StudyFile};
+use xcscr::study::{Overrides, Protocol, Report, Study, StudyFile};
 
 #[path = "agents/fewest_steps.rs"]
 mod fewest_steps;
@@ -23,7 +23,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let study =
         Study::new(protocol).with_agent("fewest-steps", |plan| Box::new(FewestSteps::new(plan)))?;
     let parent = tempfile::tempdir()?;
-    let folder = study.run(&parent.path().join("study"), Shard::WHOLE, 1, &mut ())?;
+    let folder = study.run(&parent.path().join("study"), 1, &mut ())?;
     let report = Report::new(&folder).terminal();
     println!("{report}");
     assert_eq!(folder.records().count(), 30);

@@ -1,17 +1,19 @@
 //! A setting is declared once, and all that is said of it comes from there.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use xcscr::agent::Method;
 use xcscr::study::StudyKey;
-use xcscr::trial::{ReadBy, Resolved, Settings};
+use xcscr::trial::{Resolved, Settings};
 
 /// The page of the documentation, as the declarations have it.
 fn page() -> String {
-    let mut page = "# Settings\n\nEvery setting with its default, its range and what reads it. A setting without a range is a switch, `true` or `false`, or its description gives the range. \
-        A setting that nothing in a run reads is refused. This page is generated from the declarations in the source \
+    let mut page = "# Settings\n\nEvery setting with its default and its range. Some methods have other defaults, which follow in parentheses. A setting without a range is a switch, `true` or `false`, or its description gives the range. \
+        This page is generated from the declarations in the source \
         (`UPDATE_DOCS=1 cargo test --test settings` regenerates it).\n"
         .to_owned();
     let resolved = Resolved::new(&Settings::default(), &[], &[]).unwrap();
@@ -24,22 +26,32 @@ fn page() -> String {
         let (of, name) = setting.key.rsplit_once('.').unwrap();
         if of != section {
             section = of;
-            let head =
-                "| setting | default | range | read by | what it is |\n|---|---|---|---|---|";
+            let head = "| setting | default | range | what it is |\n|---|---|---|---|";
             writeln!(page, "\n## {section}\n\n{head}").unwrap();
         }
         let range = setting.range.clone().or_else(|| words_of(key, &value));
         let range = range.unwrap_or_default();
         let about = setting.about.split_whitespace().collect::<Vec<_>>();
         let about = about.join(" ").replace('|', "\\|");
-        let readers = ReadBy::of(key).unwrap().to_string().replace('|', "\\|");
-        writeln!(
-            page,
-            "| `{name}` | {value} | {range} | {readers} | {about} |"
-        )
-        .unwrap();
+        let others = other_defaults(key, &value);
+        writeln!(page, "| `{name}` | {value}{others} | {range} | {about} |").unwrap();
     }
     page
+}
+
+/// The defaults of methods that differ from the common one, such as ` (3200: xcscr)`.
+fn other_defaults(key: &str, common: &str) -> String {
+    let mut others: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    for &method in Method::ALL {
+        let resolved = Resolved::new(&Settings::of(method), &[], &[]).unwrap();
+        let (_, own, _) = resolved.entries().find(|(of, ..)| *of == key).unwrap();
+        if own != common {
+            others.entry(own).or_default().push(method.name());
+        }
+    }
+    let named =
+        |(value, methods): (&String, &Vec<&str>)| format!(" ({value}: {})", methods.join(", "));
+    others.iter().map(named).collect()
 }
 
 /// The values of a setting that is a word, as the refusal of any other word lists them.
@@ -72,7 +84,7 @@ fn require(page: &str, path: &str) {
 
 /// The page of the keys of a study file.
 fn page_of_keys() -> String {
-    let mut page = "# Keys of a study file\n\nAlso printed by `xcscr study keys`. This page is generated from the source (`UPDATE_DOCS=1 cargo test --test \
+    let mut page = "# Keys of a study file\n\nThis page is generated from the source (`UPDATE_DOCS=1 cargo test --test \
         settings` regenerates it).\n"
         .to_owned();
     for key in StudyKey::all() {

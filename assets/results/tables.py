@@ -13,6 +13,8 @@ import sys
 from pathlib import Path
 from statistics import mean
 
+import ablation
+
 HERE = Path(__file__).resolve().parent
 PAGES = HERE.parent.parent / "docs" / "src" / "results"
 
@@ -172,6 +174,7 @@ def filled(text):
 
 
 def main():
+    ablation.check()
     stale = []
     for page in sorted(PAGES.glob("*.md")):
         before = page.read_text()

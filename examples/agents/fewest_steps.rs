@@ -35,7 +35,7 @@ impl Agent for FewestSteps {
         self.values(percept)
     }
 
-    fn update(&mut self, action: Action, _: Outcome) -> StepCredit {
+    fn update(&mut self, action: Action, _: Outcome, _: Option<&Percept>) -> StepCredit {
         self.episode
             .extend(self.percept.map(|percept| (percept, action)));
         StepCredit::default()

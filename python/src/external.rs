@@ -56,8 +56,6 @@ pub struct External {
     /// The percepts whose values are part of the knowledge.
     known: BTreeSet<Percept>,
     percept: Option<Percept>,
-    /// The last step, whose next percept is not known yet.
-    pending: Option<(Percept, Action, f64)>,
 }
 
 /// A percept as bytes of 0 or 1.
@@ -90,7 +88,6 @@ impl External {
             chooses,
             known: percepts.into_iter().flatten().collect(),
             percept: None,
-            pending: None,
         }
     }
 
@@ -99,15 +96,12 @@ impl External {
         self.fault.or_end(answer)
     }
 
-    /// Teaches the last step; `next` is `None` at a goal.
-    fn learn(&mut self, next: Option<&Percept>) {
-        let Some((percept, action, reward)) = self.pending.take() else {
-            return;
-        };
+    /// Teaches a step; `next` is `None` at a goal.
+    fn learn(&self, percept: &Percept, action: Action, reward: f64, next: Option<&Percept>) {
         self.ask(|agent| {
             let py = agent.py();
             let next = next.map(|next| bits(py, next));
-            let step = (bits(py, &percept), action.index(), reward, next);
+            let step = (bits(py, percept), action.index(), reward, next);
             agent.call_method1("learn", step).map(drop)
         });
     }
@@ -146,7 +140,6 @@ impl External {
 
 impl Agent for External {
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
-        self.learn(Some(percept));
         self.known.insert(*percept);
         self.percept = Some(*percept);
         self.values(percept)
@@ -165,7 +158,7 @@ impl Agent for External {
         }
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+    fn update(&mut self, action: Action, outcome: Outcome, next: Option<&Percept>) -> StepCredit {
         let rewards = &self.settings.reward;
         let short_term_reward = rewards.short_term(outcome);
         let at_goal = if outcome == Outcome::ReachedGoal {
@@ -173,8 +166,9 @@ impl Agent for External {
         } else {
             0.0
         };
-        let reward = short_term_reward + at_goal;
-        self.pending = self.percept.map(|percept| (percept, action, reward));
+        if let Some(percept) = self.percept {
+            self.learn(&percept, action, short_term_reward + at_goal, next);
+        }
         StepCredit {
             short_term_reward,
             ..StepCredit::default()
@@ -182,11 +176,6 @@ impl Agent for External {
     }
 
     fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
-        if reached_goal {
-            self.learn(None);
-        }
-        // The percept after a step limit is unknown.
-        self.pending = None;
         self.ask(|agent| agent.call_method1("end_episode", (reached_goal,)).map(drop));
         EndCredit {
             long_term_reward: if reached_goal {

@@ -35,10 +35,10 @@ impl Learner for EnvironmentLearner {
     }
 
     fn rules(&self) -> Vec<Rule> {
-        rules_of(self.rules())
+        rules_of(&self.rules())
     }
 
     fn micro(&self) -> u32 {
-        self.rules().micro()
+        self.population().micro()
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use xcscr::study::{
-    Overrides, Protocol, Report, Shard, StudyFile, StudyFolder, StudyWatcher, TrialRecord,
+    Overrides, Protocol, Report, StudyFile, StudyFolder, StudyWatcher, TrialRecord,
 };
 
 use crate::external::{External, Fault};
@@ -62,7 +62,7 @@ pub fn run_study(
         let build = move |plan: &_| Box::new(External::new(&class, plan, fault.clone())) as Box<_>;
         study = study.with_agent(&name, build).map_err(invalid)?;
     }
-    let ran = py.detach(|| study.run(&out, Shard::WHOLE, jobs, &mut Watcher(fault.clone())));
+    let ran = py.detach(|| study.run(&out, jobs, &mut Watcher(fault.clone())));
     fault.check()?;
     let folder = ran.map_err(invalid)?;
     refuse_failed(&folder)?;

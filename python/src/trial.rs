@@ -77,17 +77,15 @@ impl Trained {
         self.episodes.clone()
     }
 
-    /// Returns the rules: condition in words, action, prediction, error, experience. Empty for tables and plans.
+    /// Returns the fewest rules that keep all decisions: condition in words, action, prediction, error, experience. Empty for tables and plans.
     fn rules(&self) -> Vec<(String, String, f64, f64, u32)> {
         let Plan { maze, config } = &self.plan;
-        let rules = self
-            .knowledge
-            .rules()
-            .map_or(&[][..], |rules| rules.rules());
+        let few = self.knowledge.with_fewest_rules(config.sensor, maze);
+        let rules = few.rules().map_or(&[][..], |rules| rules.rules());
         let mut rules: Vec<_> = rules.iter().collect();
         rules.sort_by_key(|rule| std::cmp::Reverse(rule.experience));
         let described = rules.into_iter().map(|rule| {
-            let words = self.knowledge.words(config.sensor, maze, &rule.condition);
+            let words = config.sensor.words(maze, &rule.condition);
             let action = maze.action_name(rule.action);
             (words, action, rule.prediction, rule.error, rule.experience)
         });

@@ -63,12 +63,6 @@ impl EvaluateArgs {
         config.seed = self.seed;
         config.arena = self.arena.unwrap_or(config.arena);
         let resolved = self.settings.resolve(&config.settings)?;
-        let mut used = resolved.clone();
-        if self.robustness {
-            // Most conditions have noise, whatever the run's own level.
-            used.settings.physics.noise = 1.0;
-        }
-        used.check_read(None, config.arena, config.sensor)?;
         config.settings = resolved.settings;
         Ok((plan, knowledge))
     }

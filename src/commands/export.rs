@@ -83,6 +83,7 @@ fn text(args: &ExportArgs) -> Result<String, Failure> {
     let (maze, sensor) = (&plan.maze, plan.config.sensor);
     let (width, actions) = (sensor.width(maze), maze.action_count());
     knowledge.check(sensor, maze)?;
+    let knowledge = knowledge.with_fewest_rules(sensor, maze);
     let policy = Policy::new(&knowledge, width, actions, &sensor.percepts(maze))?;
     let origin = Provenance::new(&plan, &knowledge, args.learned.is_a_run());
     Ok(args.target.text(&policy, &origin))

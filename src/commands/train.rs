@@ -76,7 +76,7 @@ pub struct TrainArgs {
 
 impl TrainArgs {
     fn plan(&self) -> Result<Plan, Failure> {
-        let resolved = self.settings.resolve(&Settings::default())?;
+        let resolved = self.settings.resolve(&Settings::of(self.method))?;
         // The command line requires a world without `--resume`.
         let maze = choices::world(self.world.as_deref().unwrap_or(Path::new("")))?;
         let config = Config {
@@ -95,7 +95,6 @@ impl TrainArgs {
                 .transpose()?,
             settings: resolved.settings.clone(),
         };
-        resolved.check_read(Some(config.method), config.arena, config.sensor)?;
         Ok(Plan { maze, config })
     }
 }

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use xcscr::agent::{Chosen, Estimator};
+use xcscr::agent::Chosen;
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
 use xcscr::run::RunFolder;
-use xcscr::trial::{Plan, Trial};
+use xcscr::trial::{Compacted, Plan, Trial};
 use xcscr::world::{Cell, Facts, Maze};
 
 use super::failure::Failure;
@@ -18,8 +18,6 @@ use super::terminal::{file_link, print_maze, write_link, write_row};
 
 /// The legend of the drawn maze.
 const LEGEND: &str = "→ best action   + several are equally good   ? nothing known   G goal";
-/// The legend of the arrows if the best action depends on the history.
-const ARROWS: &str = "each arrow: the best action if an episode begins in that cell";
 
 /// The result of a training run, as `--json` prints it.
 #[derive(Debug, Serialize)]
@@ -45,8 +43,16 @@ pub struct TrainReport {
     greedy_steps: Option<u32>,
     /// True if the greedy policy is globally optimal at the end.
     retained: bool,
+    /// Episodes that reached a goal.
+    reached_goal: u32,
     steps: u64,
     collisions: u64,
+    /// Contacts after which the short-term filter lowered a value.
+    filter_firings: u64,
+    /// Episodes after which a policy was imprinted.
+    imprintings: u32,
+    /// The step limit of the first episode, and of the next one.
+    step_limit: [u32; 2],
     /// The number of steps by decision source.
     chosen: Chosen,
     /// The same, until the greedy policy was first globally optimal.
@@ -55,9 +61,8 @@ pub struct TrainReport {
     /// The unit of `rules`: rules, pairs of a table, or beliefs of a plan.
     #[serde(skip)]
     counted: &'static str,
-    /// The state of the learner at the end: `percept`, or `map` for a cell on a map that the
-    /// learner drew.
-    estimator: &'static str,
+    /// The number of the fewest rules that keep all decisions; `null` for a table, and in large worlds.
+    fewest_rules: Option<usize>,
     run_dir: String,
     #[serde(skip)]
     folder: PathBuf,
@@ -88,16 +93,21 @@ impl TrainReport {
                 .filter(|path| path.last().is_some_and(|&cell| maze.is_goal(cell)))
                 .map(|path| path.len() as u32 - 1),
             retained: progress.optimal,
+            reached_goal: progress.reached_goal,
             steps: progress.steps,
             collisions: progress.collisions,
+            filter_firings: progress.filter_firings,
+            imprintings: progress.imprintings,
+            step_limit: [
+                config.settings.reward.step_threshold,
+                trial.method().step_threshold(),
+            ],
             chosen: progress.chosen,
             chosen_before: progress.chosen_before,
             rules: trial.method().rule_count(),
             counted: knowledge.counts(),
-            estimator: match trial.method().remembers() {
-                true => "map",
-                false => "percept",
-            },
+            fewest_rules: Compacted::new(&knowledge, config.sensor, maze, trial.paths())
+                .map(|few| few.rules.len()),
             run_dir: disk::named(folder),
             folder: folder.to_owned(),
         }
@@ -117,12 +127,8 @@ impl TrainReport {
             true => writeln!(out, "The maze is too large to be drawn.\n")?,
             false => {
                 out.flush()?;
-                let beginnings = match trial.method().remembers() {
-                    true => format!("{ARROWS}\n"),
-                    false => String::new(),
-                };
                 let drawn = picture(maze, &trial.policy());
-                print_maze(&format!("{drawn}{LEGEND}\n{beginnings}"))?;
+                print_maze(&format!("{drawn}{LEGEND}\n"))?;
             }
         }
         writeln!(out, "{}", self.headline())?;
@@ -130,19 +136,48 @@ impl TrainReport {
         write_row(out, "first optimal", self.first_optimal())?;
         write_row(out, "greedy policy", self.greedy())?;
         self.print_failure(trial, out)?;
+        write_row(out, "reached the goal", self.arrivals())?;
         let counts = format!("{}, {}", self.steps, self.collisions);
-        write_row(out, "steps, collisions", counts)?;
+        write_row(out, "steps, contacts", counts)?;
+        self.print_mechanisms(out)?;
         write_row(out, "steps chosen by", self.chosen)?;
-        if self.estimator == "map" {
-            let reason = match trial.plan().config.settings.plus.estimator {
-                Estimator::Auto => ", because some cells share a percept",
-                _ => "",
-            };
-            write_row(out, "learned map", format!("used{reason}"))?;
-        }
-        write_row(out, self.counted, self.rules)?;
+        write_row(out, self.counted, self.rule_counts())?;
         write_row(out, "steps per episode", sparkline(steps_per_episode))?;
         self.print_files(recording, out)
+    }
+
+    /// Prints what the mechanisms of the paper did, if the method has them.
+    fn print_mechanisms(&self, out: &mut Results) -> Result<(), Failure> {
+        let [first, next] = self.step_limit;
+        let firings = self.filter_firings;
+        let rows = [
+            (
+                firings > 0,
+                "short-term filter",
+                format!("lowered a value after {firings} contacts"),
+            ),
+            (
+                self.imprintings > 0,
+                "imprinting",
+                format!("after {} failures", self.imprintings),
+            ),
+            (first != next, "step limit", format!("{first} -> {next}")),
+        ];
+        for (_, name, text) in rows.into_iter().filter(|(shown, ..)| *shown) {
+            write_row(out, name, text)?;
+        }
+        Ok(())
+    }
+
+    fn arrivals(&self) -> String {
+        format!("in {} of {} episodes", self.reached_goal, self.episodes)
+    }
+
+    fn rule_counts(&self) -> String {
+        match self.fewest_rules {
+            Some(few) => format!("{few} of {} keep all decisions", self.rules),
+            None => self.rules.to_string(),
+        }
     }
 
     fn headline(&self) -> String {
@@ -207,9 +242,6 @@ impl TrainReport {
             let cells = format!("{one} and {other}; `world info` lists all");
             write_row(out, "same percept", cells)?;
         }
-        if let Some(advice) = trial.plan().advice() {
-            write_row(out, "try", advice)?;
-        }
         Ok(())
     }
 
@@ -239,7 +271,7 @@ impl TrainReport {
 /// Returns the first two cells with the same percept.
 fn aliased_cells(trial: &Trial) -> Option<(String, String)> {
     let Plan { maze, config } = trial.plan();
-    let groups = match maze.is_too_large() || trial.method().remembers() {
+    let groups = match maze.is_too_large() {
         true => Vec::new(),
         false => config.sensor.aliased_cells(maze),
     };

@@ -6,7 +6,7 @@ use clap::Subcommand;
 use serde::Serialize;
 use xcscr::ErrorKind;
 use xcscr::sensor::{AliasedCells, Sensor};
-use xcscr::trial::{Bounds, Estimate};
+use xcscr::trial::Bounds;
 use xcscr::world::{Cell, Facts, Maze, MazeKind, Origin, Recipe};
 
 use super::choices;
@@ -40,16 +40,13 @@ pub enum WorldCommand {
         /// Print one JSON document.
         #[arg(long)]
         json: bool,
-        /// Show the fewest possible steps on average: for a robot that knows its cell, for one that
-        /// knows the world but not its start, and for one that knows only its current percept.
+        /// Show the fewest possible steps on average: for a robot that knows its cell, and for one that
+        /// knows the world but not its start.
         #[arg(long)]
         bounds: bool,
         /// With `--bounds`: the percept of the robot; for lidar percepts, that of a perfect lidar.
         #[arg(long, default_value = Sensor::Neighbours.name(), requires = "bounds", value_parser = choices::sensor())]
         sensor: Sensor,
-        /// With `--bounds`: the probability that a move other than the chosen one is executed.
-        #[arg(long, default_value_t = 0.0, requires = "bounds", value_name = "P", value_parser = share)]
-        slip: f64,
     },
     /// Generate a random maze and print it as a world file.
     Generate(GenerateArgs),
@@ -90,11 +87,10 @@ pub fn run(command: WorldCommand, out: &mut Results) -> Result<(), Failure> {
             json,
             bounds,
             sensor,
-            slip,
         } => {
             let maze = choices::world(&file)?;
             let description = Description {
-                bounds: bounds.then(|| Bounds::new(&maze, sensor, slip)),
+                bounds: bounds.then(|| Bounds::new(&maze, sensor)),
                 ..Description::new(&maze)
             };
             match json {
@@ -235,44 +231,24 @@ impl Description {
 
 /// Prints the bounds, each with its assumption.
 fn print_bounds(bounds: &Bounds, out: &mut Results) -> Result<(), Failure> {
-    let number = |bound: Option<Estimate>| match bound {
-        None => "unknown".to_owned(),
-        Some(Estimate { steps, error: 0.0 }) => format!("{steps:.3}"),
-        Some(Estimate { steps, error }) => format!("{steps:.3} +- {error:.3} (estimate)"),
-    };
-    let [full, belief, memoryless] = [
-        number(Some(Estimate {
-            steps: bounds.full,
-            error: 0.0,
-        })),
-        number(bounds.belief),
-        number(bounds.memoryless),
-    ];
+    let name = bounds.sensor.name();
     writeln!(
         out,
-        "bounds      mean steps at best from all starts, percept {}, slip {}",
-        bounds.sensor.name(),
-        bounds.slip
-    )?;
-    writeln!(out, "  full        {full}: the cell is known")?;
-    writeln!(
-        out,
-        "  belief      {belief}: the world is known, the start is not"
+        "bounds      mean steps at best from all starts, percept {name}"
     )?;
     writeln!(
         out,
-        "  memoryless  {memoryless}: one action for each percept, at most 100 steps"
+        "  full           {:.3}: the cell is known",
+        bounds.full
+    )?;
+    let unknown_start = bounds
+        .unknown_start
+        .map_or("unknown".to_owned(), |steps| format!("{steps:.3}"));
+    writeln!(
+        out,
+        "  unknown start  {unknown_start}: the world is known, the start is not"
     )?;
     Ok(())
-}
-
-/// Parses a probability.
-fn share(text: &str) -> Result<f64, String> {
-    let number = text
-        .parse::<f64>()
-        .ok()
-        .filter(|number| (0.0..=1.0).contains(number));
-    number.ok_or_else(|| "expected a number from 0 to 1".to_owned())
 }
 
 impl LookAlike {

@@ -37,7 +37,11 @@ impl FolderLock {
         for _ in 0..TRIES {
             let file = open(&path).map_err(&fault)?;
             match file.try_lock() {
-                Ok(()) => {
+                Err(TryLockError::Error(cause)) if !has_no_locks(&cause) => {
+                    return Err(fault(cause));
+                }
+                // Without locks, the file only shows that a process works here.
+                Ok(()) | Err(TryLockError::Error(_)) => {
                     let mut lock = Self {
                         file,
                         path: path.clone(),
@@ -52,7 +56,6 @@ impl FolderLock {
                         break;
                     }
                 }
-                Err(TryLockError::Error(cause)) => return Err(fault(cause)),
             }
             sleep(PAUSE);
         }
@@ -83,6 +86,16 @@ impl Drop for FolderLock {
     }
 }
 
+/// Returns true if the error is that of a file system without locks, such as Lustre's default.
+fn has_no_locks(cause: &io::Error) -> bool {
+    /// The code of "no locks available".
+    #[cfg(target_os = "linux")]
+    const NO_LOCKS: Option<i32> = Some(37);
+    #[cfg(not(target_os = "linux"))]
+    const NO_LOCKS: Option<i32> = Some(77);
+    cause.kind() == io::ErrorKind::Unsupported || cause.raw_os_error() == NO_LOCKS
+}
+
 /// Opens or creates the lock file. Never follows a link.
 fn open(path: &Path) -> io::Result<File> {
     super::require_plain(path)?;
@@ -111,5 +124,18 @@ fn pid_in(path: &Path) -> io::Result<Option<u32>> {
             }
             _ => Err(cause),
         },
+    }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_system_without_locks_is_told_from_a_fault() {
+        // ENOSYS, EOPNOTSUPP and ENOLCK; then EIO, EACCES and ENOSPC.
+        let is_lockless = |code: &i32| has_no_locks(&io::Error::from_raw_os_error(*code));
+        assert!([38, 95, 37].iter().all(is_lockless));
+        assert!(![5, 13, 28].iter().any(is_lockless));
     }
 }

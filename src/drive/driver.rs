@@ -378,7 +378,7 @@ impl Driver {
             _ => Outcome::Stalled,
         };
         if let Some(action) = self.action.take() {
-            self.policy.update(action, outcome);
+            self.policy.update(action, outcome, None);
         }
         step.outcome = Some(outcome);
         if at_goal {

@@ -7,9 +7,9 @@ use crate::agent::Frozen;
 /// Adds the rule with the largest weight and a text that explains the decision.
 pub fn explain(decision: &mut Decision, setup: &DriveSetup, policy: &Frozen) {
     decision.rule = policy.decisive_rule(decision.action);
-    let (maze, knowledge) = (&setup.maze, &setup.knowledge);
+    let maze = &setup.maze;
     let because = match &decision.rule {
-        Some(rule) => knowledge.words(setup.sensor, maze, rule),
+        Some(rule) => setup.sensor.words(maze, rule),
         None if decision.values.greatest().is_none() => "nothing is known here".to_owned(),
         None => "the values decide".to_owned(),
     };

@@ -2,13 +2,11 @@
 //!
 //! The rules keep voting as in this program, but with integers. A microcontroller without floating
 //! point chooses the same action. [`Policy`] finds the smallest integer sizes for which
-//! this holds. Rules with a map are exported with their maps as a table, and with a tracker that
-//! follows the robot on them. Source code also converts a pose in metres to a percept.
+//! this holds. Source code also converts a pose in metres to a percept.
 //!
 //! All formats show one `model`. Source code is rendered from a template for each language, which
 //! fills in tables and constants and includes source files that are the same in every export.
 
-mod maps;
 mod model;
 mod policy;
 mod provenance;

@@ -3,12 +3,9 @@
 use serde::Serialize;
 
 use super::Provenance;
-use super::maps::MapTable;
 use super::policy::{Policy, Size};
 use super::provenance::{Facts, Robot};
 use super::rays::{self, Ray};
-use crate::agent::NEGLIGIBLE_PROBABILITY;
-use crate::agent::{BEGUN_ELSEWHERE, Demand, MISLOCALISED, PERCEPT_BITS, Part, demands};
 use crate::disk;
 use crate::world::Maze;
 use xcs::{Action, Condition};
@@ -19,14 +16,10 @@ pub(super) struct Model<'a> {
     origin: &'a Facts,
     /// The number of inputs in which the export was compared with the greedy choice of the run.
     compared: String,
-    /// The meaning of each bit of a percept when it is 1; for rules with a map, of each bit of a
-    /// context.
+    /// The meaning of each bit of a percept when it is 1.
     bits: Vec<String>,
     actions: Vec<String>,
     rules: Vec<Rule>,
-    /// The maps of rules with a map.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    maps: Option<&'a MapTable>,
 }
 
 /// A rule.
@@ -59,7 +52,6 @@ impl<'a> Model<'a> {
             bits: bits.map(|bit| provenance.bit(bit)).collect(),
             actions: actions.map(|action| provenance.action(action)).collect(),
             rules: rules.collect(),
-            maps: policy.maps(),
         }
     }
 
@@ -87,23 +79,19 @@ pub(super) struct Source<'a> {
     /// The origin as lines for a comment.
     origin_lines: Vec<String>,
     size: Size,
-    /// For each rule its condition: for each byte of a percept, or each part of a context, a pair
-    /// of numbers.
+    /// For each rule its condition: a pair of numbers for each byte of a percept.
     conditions: Vec<Vec<Pair>>,
     /// For each rule the least and the greatest column and row.
     limits: Vec<[Pair; 2]>,
     /// For each rule its condition without ranges.
     ternary: Vec<String>,
-    /// The parts of a context, each with the pair that demands nothing.
-    parts: [(&'static str, Pair); 7],
     percept: PerceptBits,
     grid: Grid,
     robot: Option<Robot>,
     scan: Option<Scan>,
-    tracker: Option<TrackerModel>,
 }
 
-/// A mask of demanded bits and their values, or the least and the greatest coordinate, as literals
+/// A mask of demanded bits and their values, or the least and the greatest number, as literals
 /// of all languages.
 type Pair = [String; 2];
 
@@ -140,28 +128,8 @@ struct Scan {
     rays: Vec<Ray>,
 }
 
-/// What a tracker needs beside the maps.
-#[derive(Serialize)]
-struct TrackerModel {
-    /// True if moves and percepts are without errors. Beliefs are then integers.
-    exact: bool,
-    rewards: u32,
-    ignores_collisions: bool,
-    mislocalised: f64,
-    begun_elsewhere: f64,
-    negligible: f64,
-    negligible_one_in: u32,
-}
-
 impl<'a> Source<'a> {
     pub fn new(policy: &'a Policy, provenance: &'a Provenance) -> Self {
-        let maps = policy.maps();
-        let pairs = |condition: &Condition| match maps {
-            Some(_) => context_pairs(&demands(condition))
-                .map(|(_, pair)| pair)
-                .to_vec(),
-            None => percept_pairs(policy, condition),
-        };
         let percept = PerceptBits::new(policy, provenance);
         let votes = || policy.votes().iter();
         Self {
@@ -172,13 +140,13 @@ impl<'a> Source<'a> {
             ternary: votes().map(|vote| ternary(&vote.condition)).collect(),
             origin_lines: provenance.lines(),
             size: policy.size(),
-            conditions: votes().map(|vote| pairs(&vote.condition)).collect(),
-            parts: context_pairs(&[]),
+            conditions: votes()
+                .map(|vote| percept_pairs(policy, &vote.condition))
+                .collect(),
             percept,
             grid: Grid::new(&provenance.maze),
             robot: provenance.robot,
             scan: Scan::new(provenance),
-            tracker: maps.map(TrackerModel::new),
         }
     }
 }
@@ -187,10 +155,9 @@ impl PerceptBits {
     fn new(policy: &Policy, provenance: &Provenance) -> Self {
         let (maze, sensor) = (&provenance.maze, provenance.sensor);
         let width = policy.width();
-        let bits = policy.maps().map_or(width, |_| PERCEPT_BITS);
         let [column_bits, row_bits] = sensor.place_bits(maze);
         Self {
-            bits: (0..bits).map(|bit| provenance.bit(bit)).collect(),
+            bits: (0..width).map(|bit| provenance.bit(bit)).collect(),
             bytes: width.div_ceil(8),
             ring_bits: sensor.width(maze) - column_bits - row_bits,
             column_bits,
@@ -239,20 +206,6 @@ impl Scan {
     }
 }
 
-impl TrackerModel {
-    fn new(maps: &MapTable) -> Self {
-        Self {
-            exact: maps.is_exact(),
-            rewards: maps.rewards(),
-            ignores_collisions: maps.unfelt,
-            mislocalised: MISLOCALISED,
-            begun_elsewhere: BEGUN_ELSEWHERE,
-            negligible: NEGLIGIBLE_PROBABILITY,
-            negligible_one_in: (1.0 / NEGLIGIBLE_PROBABILITY).round() as u32,
-        }
-    }
-}
-
 /// Returns the bits that a condition demands, with `#` for all others.
 fn ternary(condition: &Condition) -> String {
     let allele = |bit| {
@@ -274,41 +227,6 @@ fn percept_pairs(policy: &Policy, condition: &Condition) -> Vec<Pair> {
         masked(mask.into(), value.into())
     };
     (0..policy.width()).step_by(8).map(byte).collect()
-}
-
-/// Returns demands on a context as a pair for each part, with the names of the parts.
-fn context_pairs(demands: &[(Part, Demand)]) -> [(&'static str, Pair); 7] {
-    let of = |part: Part| {
-        let own = demands.iter().filter(move |(of, _)| *of == part);
-        own.map(|&(_, demand)| demand)
-    };
-    let bits = |part: Part| {
-        let own = of(part).find_map(|demand| match demand {
-            Demand::Bits { care, value } => Some(masked(care, value)),
-            _ => None,
-        });
-        own.unwrap_or_else(|| masked(0, 0))
-    };
-    let limits = |part: Part| {
-        let [mut least, mut most] = [i16::from(i8::MIN), i16::from(i8::MAX)];
-        for demand in of(part) {
-            match demand {
-                Demand::Above(limit) => least = limit + 1,
-                Demand::AtMost(limit) => most = limit,
-                Demand::Bits { .. } => {}
-            }
-        }
-        [least.to_string(), most.to_string()]
-    };
-    [
-        ("percept", bits(Part::Percept)),
-        ("x", limits(Part::X)),
-        ("y", limits(Part::Y)),
-        ("map", bits(Part::Map)),
-        ("collected", bits(Part::Collected)),
-        ("last", bits(Part::Last)),
-        ("before", bits(Part::Before)),
-    ]
 }
 
 fn masked(mask: u32, value: u32) -> Pair {

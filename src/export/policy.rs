@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use super::maps::MapTable;
-use crate::agent::{CONTEXT_BITS, Knowledge, contexts};
+use crate::agent::Knowledge;
 use crate::error::{Error, ErrorKind};
 use crate::streams::StreamName;
 use xcs::random::Stream;
@@ -19,9 +18,6 @@ const DRAWN: usize = 100_000;
 const DRAWN_PER_RULE: usize = 64;
 /// The most rules that a 16-bit number can count.
 const MOST_RULES: usize = u16::MAX as usize;
-
-/// The most states that a 16-bit number can count. One number is reserved for the goal.
-pub(super) const MOST_STATES: usize = u16::MAX as usize;
 
 /// The sizes that are tried, the smallest first. Each is the bits of the value and of the weight.
 const SIZES: [Size; 3] = [Size::new(16, 8), Size::new(16, 16), Size::new(32, 32)];
@@ -75,16 +71,13 @@ pub struct Policy {
     size: Size,
     width: usize,
     actions: usize,
-    /// The number of inputs that were compared, and their kind.
+    /// The number of percepts that were compared.
     compared: usize,
-    of: &'static str,
-    /// The maps of rules with a map.
-    maps: Option<MapTable>,
 }
 
 /// The hint of several errors.
-const COMPACT: &str = "compact them with `xcscr rules RUN --compact --json > few.json`, and \
-                        export few.json";
+const COMPACT: &str =
+    "train with another seed, or export the rules of a run in its own world, which are few";
 
 /// Returns the error that there is no policy to export.
 pub(super) fn nothing_learned() -> Error {
@@ -95,8 +88,7 @@ impl Policy {
     /// Quantises what was learned about percepts of `width` bits and `actions` actions. Uses the
     /// fewest bits with which the votes choose a best action of `knowledge` wherever `knowledge`
     /// rates any action. Up to 16 bits, all percepts are compared. Wider percepts are compared in
-    /// `of_world` and in many random percepts. Rules with a map are compared in the contexts that
-    /// two moves on the maps produce.
+    /// `of_world` and in many random percepts.
     ///
     /// # Errors
     /// When there is nothing to export, or the policy cannot be expressed exactly.
@@ -106,15 +98,8 @@ impl Policy {
         actions: usize,
         of_world: &[Percept],
     ) -> Result<Self, Error> {
-        let maps = match knowledge {
-            Knowledge::MapRules { map, .. } => Some(MapTable::new(map)?),
-            _ => None,
-        };
         let rules = rules(knowledge, actions)?;
-        let (width, percepts, of) = match knowledge {
-            Knowledge::MapRules { map, .. } => (CONTEXT_BITS, contexts(map, DRAWN), "contexts"),
-            _ => (width, percepts(&rules, width, of_world), "percepts"),
-        };
+        let percepts = percepts(&rules, width, of_world);
         let mut unlike = None;
         for size in SIZES {
             let votes = votes(&rules, size);
@@ -125,8 +110,6 @@ impl Policy {
                 width,
                 actions,
                 compared: percepts.len(),
-                of,
-                maps: maps.clone(),
             };
             // Sums that do not fit cannot be compared either.
             if !quantised.sums_fit() {
@@ -137,7 +120,7 @@ impl Policy {
                 )));
             }
             let differs = |percept: &&Percept| {
-                let value = knowledge.values_in(percept, actions);
+                let value = knowledge.values(percept, actions);
                 !agrees(quantised.decide(percept), &value)
             };
             unlike = percepts.iter().find(differs).copied();
@@ -145,15 +128,11 @@ impl Policy {
                 return Ok(quantised);
             }
         }
-        const TOO_CLOSE: &str = "the values of two actions are too close in";
-        Err(ErrorKind::BadData.error(match unlike {
-            Some(percept) if !knowledge.remembers() => format!(
-                "{TOO_CLOSE} percept {percept} to be distinguished with integers of 32 bits: {COMPACT}"
-            ),
-            _ => format!(
-                "{TOO_CLOSE} a context to be distinguished with integers of 32 bits: train with another seed"
-            ),
-        }))
+        let percept = unlike.map_or(String::new(), |percept| percept.to_string());
+        Err(ErrorKind::BadData.error(format!(
+            "the values of two actions are too close in percept {percept} to be distinguished with integers of 32 \
+             bits: {COMPACT}"
+        )))
     }
 
     /// Returns true if the sums of each action fit into 64 bits of value and 32 bits of weight,
@@ -209,27 +188,22 @@ impl Policy {
         self.actions
     }
 
-    /// The maps, if the rules use any.
-    pub(super) fn maps(&self) -> Option<&MapTable> {
-        self.maps.as_ref()
-    }
-
-    /// Describes the inputs in which the votes were compared with the learned policy.
+    /// Describes the percepts in which the votes were compared with the learned policy.
     pub fn compared(&self) -> String {
         let all = if self.width <= ALL_OF_BITS {
             "all "
         } else {
             ""
         };
-        format!("{all}{} {}", self.compared, self.of)
+        format!("{all}{} percepts", self.compared)
     }
 }
 
-/// Returns true if the action is one of the best, or if there is no action and no value is known.
+/// Returns true if the action is one of the best or nearly so, or if there is no action and no value is known.
 fn agrees(action: Option<Action>, value: &PredictionArray) -> bool {
     match action {
         None => value.greatest().is_none(),
-        Some(action) => value.best_actions().any(|best| best == action),
+        Some(action) => value.is_nearly_best(action),
     }
 }
 
@@ -241,12 +215,6 @@ fn rules(knowledge: &Knowledge, actions: usize) -> Result<Vec<Classifier>, Error
             return Err(ErrorKind::BadData.error(format!(
                 "rules learned with `xcs.value_over_match_set` cannot be exported: {COMPACT}"
             )));
-        }
-        Knowledge::Planned(_) => {
-            return Err(ErrorKind::BadData.error(
-                "the learned policy is a plan on a map without rules and cannot be exported: train xcscr-plus, \
-                 which distils rules from such a plan",
-            ));
         }
         Knowledge::Table(table) => table
             .keys()

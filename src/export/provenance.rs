@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::agent::Knowledge;
-use crate::sensor::{ANYTHING, Alleles, Sensor};
-use crate::trial::{Plan, words_of_context};
+use crate::sensor::{ANYTHING, Sensor};
+use crate::trial::Plan;
 use crate::world::Maze;
 use xcs::{Action, Condition};
 
@@ -20,8 +20,6 @@ pub struct Provenance {
     /// Assumed ranges of two kinds of lidar beams in metres: beams that hit something too near to
     /// be measured, and beams that do not come back.
     pub(super) assumed_ranges_m: [f64; 2],
-    /// True if conditions use more than the percept.
-    remembers: bool,
     /// The facts about the run.
     pub(super) facts: Facts,
 }
@@ -81,7 +79,6 @@ impl Provenance {
                 let lidar = &config.settings.physics.lidar;
                 [lidar.nearest_m, lidar.lost_beam_range_m(maze.cell_size_m())]
             },
-            remembers: knowledge.remembers(),
             facts,
         }
     }
@@ -100,9 +97,11 @@ impl Provenance {
         lines.into_iter().flatten().collect()
     }
 
-    /// Returns the meaning of a bit of a percept, or of a context, when it is 1.
+    /// Returns the meaning of a bit of a percept when it is 1.
     pub(super) fn bit(&self, bit: usize) -> String {
-        let words = self.demanded(&|at| (at == bit).then_some(true));
+        let words = self
+            .sensor
+            .words(&self.maze, &|at| (at == bit).then_some(true));
         match words.as_str() {
             ANYTHING => "always 0".to_owned(),
             _ => words,
@@ -111,14 +110,7 @@ impl Provenance {
 
     /// Describes the demands of a condition in words.
     pub(super) fn words(&self, condition: &Condition) -> String {
-        self.demanded(condition)
-    }
-
-    fn demanded(&self, allele: Alleles<'_>) -> String {
-        match self.remembers {
-            true => words_of_context(self.sensor, &self.maze, allele),
-            false => self.sensor.words(&self.maze, allele),
-        }
+        self.sensor.words(&self.maze, condition)
     }
 
     /// Returns the name of an action.

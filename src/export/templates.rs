@@ -21,13 +21,11 @@ macro_rules! files {
 }
 
 /// The source files that templates include.
-const FILES: [(&str, &str); 20] = files![
+const FILES: [(&str, &str); 16] = files![
     "percept.h",
     "masks.h",
     "ranges.h",
-    "context.h",
     "decide.h",
-    "tracker.h",
     "grid.h",
     "neighbours.h",
     "lidar.h",
@@ -35,9 +33,7 @@ const FILES: [(&str, &str); 20] = files![
     "percept.py",
     "masks.py",
     "ranges.py",
-    "context.py",
     "decide.py",
-    "tracker.py",
     "grid.py",
     "neighbours.py",
     "lidar.py",

@@ -171,8 +171,6 @@ impl<'a> Plane<'a> {
         let mut shapes: Vec<Element> = self.marked().map(letter).collect();
         shapes.push(words(MARGIN, 26.0, 17.0, INK, &picture.title));
         shapes.extend(self.legend());
-        let third = self.height - FOOT + 26.0 + 48.0;
-        shapes.push(words(MARGIN, third, 12.0, INK, picture.arrows));
         shapes
     }
 

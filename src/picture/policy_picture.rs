@@ -35,8 +35,6 @@ pub(super) struct Moment {
 pub struct PolicyPicture {
     pub(super) maze: Maze,
     pub(super) title: String,
-    /// A note about the arrows, or an empty string.
-    pub(super) arrows: &'static str,
     pub(super) paths: Paths,
     pub(super) moment: Moment,
 }
@@ -70,14 +68,9 @@ impl PolicyPicture {
         let config = &plan.config;
         let (world, method) = (plan.maze.name(), config.method.name());
         let (arena, seed) = (config.arena.name(), config.seed);
-        let arrows = match camera.remembers {
-            true => "each arrow: the best action if an episode begins in that cell",
-            false => "",
-        };
         Ok(Self {
             maze: plan.maze.clone(),
             title: format!("{world}: {method} on {arena}, seed {seed}"),
-            arrows,
             paths: camera.judge.paths().clone(),
             moment,
         })
@@ -120,8 +113,6 @@ fn check_size(maze: &Maze, most: usize, done: &str, instead: &str) -> Result<(),
 struct Camera {
     last: u32,
     judge: Judge,
-    /// True if decisions depend on earlier percepts of the episode.
-    remembers: bool,
     visited: Vec<Cell>,
     moment: Option<Moment>,
 }
@@ -132,7 +123,6 @@ impl Camera {
         Self {
             last,
             judge: Judge::new(maze, config.sensor, config.settings.arena.slip),
-            remembers: false,
             visited: Vec::new(),
             moment: None,
         }
@@ -154,11 +144,10 @@ impl Observer for Camera {
         }
         let (method, sensor, maze) = (learned.method, learned.sensor, learned.view.maze);
         let policy = PolicyMap::of(method, sensor, maze);
-        self.remembers = method.remembers();
         let from = self.visited[0];
         self.moment = Some(Moment {
             episode: *episode,
-            greedy_path: self.judge.greedy_path(method, &policy, maze, from),
+            greedy_path: policy.greedy_path(maze, from),
             policy,
             optimal: self.judge.is_optimal(method, maze),
             visited: std::mem::take(&mut self.visited),

@@ -15,6 +15,10 @@ use crate::record::player;
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordingKind};
 use crate::trial::Plan;
+use crate::world::Paths;
+
+/// The step limit of the drive of the learned policy, in shortest paths from the farthest start.
+const SHORTEST_PATHS: u32 = 4;
 
 impl RunFolder {
     /// Returns the page that plays the run. The same run produces the same page.
@@ -57,9 +61,20 @@ pub(super) fn page_of(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Resu
 fn recorded_drive(plan: &Plan, knowledge: &Knowledge) -> Result<(TempDir, Recording), Error> {
     let folder = tempfile::tempdir().map_err(error::temporary)?;
     let mode = (RecordMode::All, &(|| false) as &dyn Fn() -> bool);
-    record_drives(plan, knowledge, 1, folder.path(), mode)?;
+    record_drives(&limited(plan), knowledge, 1, folder.path(), mode)?;
     let drive = Recording::open(&folder.path().join(RecordingKind::Episode(1).file_name()))?;
     Ok((folder, drive))
+}
+
+/// Limits the steps of a drive to a few shortest paths: a policy that goes in circles would fill the page.
+fn limited(plan: &Plan) -> Plan {
+    let mut plan = plan.clone();
+    let longest = Paths::new(&plan.maze).longest(&plan.maze);
+    let reward = &mut plan.config.settings.reward;
+    let limit = longest.saturating_mul(SHORTEST_PATHS).max(1);
+    reward.step_threshold = reward.step_threshold.min(limit);
+    reward.step_threshold_from_maze = false;
+    plan
 }
 
 /// Rejects very large worlds, because the page draws every cell.

@@ -2,7 +2,7 @@
 //! again.
 //!
 //! A trial is determined by its plan, so a study stores nothing about episodes while it runs. The
-//! rows are the same for any number of threads, shards and machines.
+//! rows are the same for any number of threads, tasks and machines.
 
 use std::io::{self, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -20,15 +20,6 @@ pub(super) fn damaged<E: Display>(path: &Path) -> impl Fn(E) -> Error {
     }
 }
 
-/// Returns the error for a generated file that was changed by hand.
-pub(super) fn altered(path: &Path) -> Error {
-    let message = format!(
-        "{} was changed after xcscr wrote it: move it away, then run the same command again",
-        path.display()
-    );
-    ErrorKind::CannotCreate.error(message)
-}
-
 /// Returns the conversion of an error when starting `jobs` threads.
 pub(super) fn jobs<E: Display>(jobs: usize) -> impl Fn(E) -> Error {
     move |fault| {

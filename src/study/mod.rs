@@ -4,9 +4,9 @@
 //! |---|---|
 //! | `protocol` | study files, and the protocol that they are frozen into |
 //! | `store` | the folder of a study: the plan, and journals of finished trials |
-//! | `runner`, `cluster`, `tuning` | running trials: on threads, in tasks on many machines, in a search for settings |
+//! | `runner`, `cluster` | running trials: on threads, in tasks on many machines |
 //! | `own` | custom agents in studies |
-//! | `statistics` | tests, intervals and survival curves, independent of mazes and learners |
+//! | `statistics` | tests and intervals, independent of mazes and learners |
 //! | `analysis`, `episodes` | summaries of arms, learning curves, and tables for other programs |
 //! | `report` | the report in words, tables and figures |
 //! | `robustness` | a policy under conditions that it was not trained for |
@@ -22,13 +22,11 @@ mod robustness;
 mod runner;
 mod statistics;
 mod store;
-mod tuning;
 
-pub use cluster::{Queued, Slurm, TaskProgress, TaskState};
+pub use cluster::{TaskProgress, TaskState};
 pub use own::Study;
 pub use protocol::{Arm, Overrides, Protocol, StudyFile, StudyKey, Variant};
 pub use report::Report;
 pub use robustness::{ConditionResult, LeftOut, Robustness};
 pub use runner::StudyWatcher;
-pub use store::{Figures, PlannedStudy, Shard, StudyFolder, TrialRecord};
-pub use tuning::{Found, Rung, Stage, Standing, Tuning, Verdict};
+pub use store::{Figures, PlannedStudy, StudyFolder, TrialRecord};

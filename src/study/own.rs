@@ -7,8 +7,7 @@ use std::path::Path;
 use super::error;
 use super::protocol::Protocol;
 use super::runner::{StudyWatcher, run_trials};
-use super::store::plan::ALL_TASKS;
-use super::store::{Shard, StudyFolder};
+use super::store::StudyFolder;
 use crate::agent::Agent;
 use crate::error::Error;
 use crate::trial::Plan;
@@ -92,28 +91,26 @@ impl Study {
         &self.protocol
     }
 
-    /// Runs the missing trials of one shard of the study in the folder `out`, on `jobs` threads
-    /// (all cores when 0). The results do not depend on `jobs`.
+    /// Runs the missing trials of the study in the folder `out`, on `jobs` threads (all cores when
+    /// 0). The results do not depend on `jobs`.
     ///
     /// # Errors
     /// When the folder contains another study, is in use, or cannot be written.
     pub fn run(
         &self,
         out: &Path,
-        shard: Shard,
         jobs: usize,
         watcher: &mut dyn StudyWatcher,
     ) -> Result<StudyFolder, Error> {
         let mut folder = StudyFolder::open(out, &self.protocol)?;
-        let mut trials = folder.missing();
-        trials.retain(|trial| shard.holds(*trial));
-        run_trials(
-            &mut folder,
-            &self.agents,
-            (ALL_TASKS, &trials),
-            jobs,
-            watcher,
-        )?;
+        watcher.begins(folder.missing().len());
+        for task in 1..=folder.planned().tasks() {
+            let trials = folder.missing_of(task);
+            run_trials(&mut folder, &self.agents, (task, &trials), jobs, watcher)?;
+            if !folder.missing_of(task).is_empty() {
+                break;
+            }
+        }
         Ok(folder)
     }
 }

@@ -43,7 +43,6 @@ pub(super) fn run_trials(
     jobs: usize,
     watcher: &mut dyn StudyWatcher,
 ) -> Result<(), Error> {
-    watcher.begins(trials.len());
     if trials.is_empty() {
         return Ok(());
     }

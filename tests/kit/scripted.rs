@@ -40,7 +40,7 @@ impl Agent for Scripted {
         values
     }
 
-    fn update(&mut self, _: Action, outcome: Outcome) -> StepCredit {
+    fn update(&mut self, _: Action, outcome: Outcome, _: Option<&Percept>) -> StepCredit {
         self.step += 1;
         let hit = matches!(outcome, Outcome::Collided { .. });
         StepCredit {

@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use xcscr::agent::{Agent, Estimator, Explorer, Method, Setup};
+use xcscr::agent::{Agent, Explorer, Method, Setup};
 use xcscr::arena::{Arena, ArenaKind, GridArena, PhysicsArena, PhysicsParams};
 use xcscr::episode::{self, Observer};
 use xcscr::record::{RecordMode, RecordSummary, Recorder, RobotShape, RunInfo, RunKind};
@@ -26,12 +26,6 @@ pub fn maze(name: &str) -> Maze {
 pub fn on_the_grid(world: &str, method: Method) -> Plan {
     let plan = Plan::new(maze(world)).method(method);
     plan.arena(ArenaKind::Grid).sensor(Sensor::Neighbours)
-}
-
-/// Changes a plan so that the learner uses the cell on a map as its state from the first step.
-pub fn on_a_map(mut plan: Plan) -> Plan {
-    plan.config.settings.plus.estimator = Estimator::Map;
-    plan
 }
 
 /// A trial with a number of episodes.

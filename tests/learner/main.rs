@@ -5,24 +5,17 @@
 #[path = "../kit/mod.rs"]
 mod kit;
 
-mod advice;
-mod auxiliary;
 mod ceilings;
 mod driving;
 mod examples;
 mod exporting;
 mod knowledge;
 mod learned;
-mod lidar;
-mod memory;
-mod noise;
-mod odometry;
+mod mechanisms;
 mod paper;
 mod readings;
 mod readme;
-mod rival;
 mod rules;
 mod rules_decide;
 mod trust;
-mod unread;
 mod xcs_invariants;

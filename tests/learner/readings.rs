@@ -49,7 +49,7 @@ fn method(method: Method, read: impl FnOnce(&mut Setup)) -> Box<dyn Agent> {
 fn episode(method: &mut dyn Agent, steps: &[(&str, Outcome)], reached_goal: bool) {
     for (bits, outcome) in steps {
         method.observe(&percept(bits));
-        method.update(action(0), *outcome);
+        method.update(action(0), *outcome, None);
     }
     method.end_episode(reached_goal);
 }
@@ -191,7 +191,7 @@ fn the_ga_runs_in_each_step_or_after_the_episode() {
         });
         for _ in 0..2 {
             learner.observe(&percept("0101"));
-            learner.update(action(0), Outcome::Moved);
+            learner.update(action(0), Outcome::Moved, None);
         }
         let before = learner.rule_count();
         learner.end_episode(false);

@@ -9,14 +9,9 @@ use tempfile::TempDir;
 use crate::kit::program::{ended, xcscr};
 
 /// Runs in Maze4 that all tests look at, and how they are trained.
-const RUNS: [(&str, &str); 7] = [
-    ("plus", "--method xcscr-plus --set plus.estimator=percept"),
-    (
-        "plus-2",
-        "--method xcscr-plus --set plus.estimator=percept --seed 2",
-    ),
-    ("plus-map", "--method xcscr-plus --set plus.estimator=map"),
-    ("r-max-map", "--method r-max --set plus.estimator=map"),
+const RUNS: [(&str, &str); 5] = [
+    ("plus", "--method xcscr-plus"),
+    ("r-max", "--method r-max"),
     ("xcscr", "--method xcscr"),
     ("xcs", "--method xcs"),
     ("q-learning", "--method q-learning"),
@@ -75,34 +70,30 @@ fn count(text: &str) -> usize {
 }
 
 #[test]
-fn condensed_rules_are_few_choose_the_same_everywhere_and_drive_the_robot() {
+fn the_fewest_rules_are_printed_and_drive_the_robot_like_all_rules() {
     let maze4 = world("maze4");
-    for run in ["plus", "xcscr"] {
-        let text = fine(&format!("rules {run} --compact"));
-        assert!(
-            text.contains("the same choice in 25 of the 25 percepts"),
-            "{text}"
-        );
-        let few = fine(&format!("rules {run} --compact --json"));
-        let all = fine(&format!("rules {run} --json"));
+    for (run, most) in [("plus", 15), ("xcscr", 30)] {
+        let text = fine(&format!("rules {run}"));
+        assert!(text.contains("that keep all decisions"), "{text}");
+        let few = fine(&format!("rules {run} --json"));
+        let all = fine(&format!("rules {run} --all --json"));
         let (few_rules, all_rules) = (count(&few), count(&all));
-        match run {
-            "plus" => assert!(few_rules <= all_rules && all_rules <= 15, "{all_rules}"),
-            _ => assert!(few_rules <= 15 && all_rules > 2 * few_rules, "{all_rules}"),
-        }
-        if run == "plus" {
-            assert!(text.contains("the policy is globally optimal"), "{text}");
-            keep("few.json", &few);
-            fine(&format!(
-                "evaluate few.json --world {maze4} --require-optimal"
-            ));
+        let is_so = few_rules <= most && all_rules > 5 * few_rules;
+        assert!(is_so, "{run}: {few_rules} of {all_rules}");
+        for (name, rules) in [("few.json", &few), ("all.json", &all)] {
+            keep(name, rules);
+            if run == "plus" {
+                fine(&format!(
+                    "evaluate {name} --world {maze4} --sensor neighbours --arena grid --require-optimal"
+                ));
+            }
         }
     }
 }
 
 #[test]
 fn a_cell_shows_the_rules_that_match_there_in_the_wanted_order() {
-    let text = fine("rules xcscr --cell 1,1 --sort value --csv");
+    let text = fine("rules plus --all --cell 1,1 --sort value --csv");
     let mut table = csv::Reader::from_reader(text.as_bytes());
     let heads = table.headers().unwrap().clone();
     let column = |name: &str| heads.iter().position(|one| one == name).unwrap();
@@ -126,12 +117,11 @@ fn a_cell_shows_the_rules_that_match_there_in_the_wanted_order() {
 fn what_has_no_rules_or_no_percept_is_refused() {
     for (words, code, message) in [
         ("rules q-learning", 65, "table"),
-        ("rules r-max-map", 65, "a plan on a map; it has no rules"),
+        ("rules r-max", 65, "it has no rules"),
         ("rules xcs --cell 0,0", 2, "no free cell 0,0"),
         ("rules plus --why 0,0", 2, "there is no free cell 0,0"),
         ("rules plus --why 6,6", 2, "6,6 is a goal"),
         ("rules plus --format json --csv", 2, "--format"),
-        ("export r-max-map --target c99", 65, "train xcscr-plus"),
     ] {
         refused(words, code, message);
     }
@@ -145,13 +135,13 @@ fn collision_rules_from_one_maze_spare_collisions_in_the_next() {
         let report: serde_json::Value = serde_json::from_str(&text).unwrap();
         ["collisions", "first_optimal_env_steps"].map(|key| report[key].as_u64().unwrap())
     });
-    assert!(fresh[0] > 2 && brought[0] == 0, "{fresh:?} {brought:?}");
-    assert!(brought[1] < fresh[1], "{brought:?}, {fresh:?} without");
+    assert!(4 * brought[0] < fresh[0], "{fresh:?} {brought:?}");
 }
 
 #[test]
 fn a_run_that_began_with_rules_is_repeated_from_its_recording() {
-    let how = "--method xcscr-plus --episodes 3 --quiet --init-rules plus/rules.json";
+    let how =
+        "--method xcscr-plus --sensor neighbours --episodes 3 --quiet --init-rules plus/rules.json";
     fine(&format!("train {} {how} --out begun", world("maze6")));
     let text = fine("recording verify begun");
     let said = "4 of 4 recordings are bit-identical";
@@ -164,14 +154,9 @@ fn rules_that_a_method_cannot_begin_with_are_refused_before_anything_is_written(
         let maze = world("maze5");
         format!("train {maze} --method {method} --init-rules {run} {TRAIN} refused")
     };
-    for (run, methods) in [
-        ("plus-map", "xcs adapted-even xcscr xcscr-coevolved r-max"),
-        ("xcs", "xcscr-plus q-learning"),
-    ] {
-        for method in methods.split(' ') {
-            refused(&begin(method, run), 65, &format!("`{method}`"));
-            assert!(!desk().join("refused").exists(), "{method}");
-        }
+    for method in ["xcscr-plus", "q-learning"] {
+        refused(&begin(method, "xcs"), 65, &format!("`{method}`"));
+        assert!(!desk().join("refused").exists(), "{method}");
     }
     fine(&begin("xcscr", "xcs").replace("refused", "control"));
 }
@@ -183,8 +168,6 @@ fn why_tells_who_votes_what_would_change_it_and_how_the_rule_came_to_be() {
     for words in [
         "perceives   north wall, north-east wall, east free",
         "goes        east   (values: east ",
-        // One rule has the whole vote.
-        "100 %",
         "has been among the rules since episode ",
     ] {
         assert!(told.contains(words), "{words}: {told}");
@@ -213,22 +196,6 @@ fn why_tells_who_votes_what_would_change_it_and_how_the_rule_came_to_be() {
     assert!(named > 0, "no cell of this world is named");
 }
 
-#[test]
-fn a_plan_on_a_map_is_driven_by_and_drawn_but_has_no_rules() {
-    let said = fine("evaluate r-max-map --require-optimal");
-    assert!(said.contains(" beliefs on grid"), "{said}");
-    let said = fine("evaluate plus-map");
-    assert!(said.contains(" rules on grid"), "control: {said}");
-    fine("map r-max-map --output map.svg");
-    fine("export plus-map --target c99");
-    let how = format!("train {} {} {TRAIN} planned", world("maze4"), RUNS[3].1);
-    let said = fine(&how);
-    assert!(
-        said.contains("\n  beliefs  ") && !said.contains("\n  rules"),
-        "{said}"
-    );
-}
-
 /// Does a text name a column or row by a pattern of bits?
 fn has_pattern(text: &str) -> bool {
     ["column ", "row "].iter().any(|name| {
@@ -251,12 +218,12 @@ fn rules_over_a_position_are_told_as_ranges_by_rules_why_and_export() {
     ] {
         let how = format!("--sensor {sensor} --arena {arena} --method xcs --record none");
         fine(&format!("train {maze4} --episodes 10 --out {sensor} {how}"));
-        let rules = fine(&format!("rules {sensor}"));
+        let rules = fine(&format!("rules {sensor} --all"));
         let why = fine(&format!("rules {sensor} --why 1,1"));
         let mut told = vec![fine(&format!("rules {sensor} --json"))];
         // Of all rules, values may lie too close to be told apart in whole numbers.
         let few = format!("{sensor}.json");
-        keep(&few, &fine(&format!("rules {sensor} --compact --json")));
+        keep(&few, &fine(&format!("rules {sensor} --json")));
         for target in ["c99", "python", "dot", "csv", "json"] {
             let export = format!("export {few} --world {maze4} --sensor {sensor}");
             told.push(fine(&format!("{export} --target {target}")));

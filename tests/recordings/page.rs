@@ -78,7 +78,7 @@ fn the_page_of_a_whole_run_has_its_steps_and_its_learning_curve() {
     assert_eq!(data["decisions"].as_array().unwrap().len(), steps);
     assert_eq!(data["poses"].as_array().unwrap().len(), steps);
     let left = data["decisions"][0]["left"].as_f64().unwrap();
-    assert!((90.0..100.0).contains(&left), "{left} %");
+    assert!((90.0..=100.0).contains(&left), "{left} %");
     let episodes: Vec<u32> = (1..=12).collect();
     assert_eq!(data["curve"]["episode"], serde_json::json!(episodes));
 }

@@ -312,7 +312,7 @@ fn bounds_of_a_world_without_landmarks_are_unknown_and_take_no_memory() {
             &desk,
             0,
             "world info @w.json --bounds",
-            "belief      unknown",
+            "unknown start  unknown",
         );
     }
     let train = "train @w.json --arena grid --episodes 1 --out @out";

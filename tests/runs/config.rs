@@ -1,7 +1,6 @@
-//! `config show`: what counts, and where it comes from.
+//! `config show`: the settings, and where they come from.
 
 use crate::kit::desk::Desk;
-use serde_json::Value;
 
 #[test]
 fn config_show_names_the_maze_as_the_origin_of_what_it_decides() {
@@ -9,16 +8,20 @@ fn config_show_names_the_maze_as_the_origin_of_what_it_decides() {
     let world = desk.ok("world generate --kind dfs --size 12");
     desk.write("winding.json", world);
     // Settings that were printed for a file give the same settings again.
-    desk.write("all.toml", desk.ok("config show"));
+    desk.write("common.toml", desk.ok("config show --method xcs"));
     for (choice, wanted) in [
-        ("", "50 # default"),
-        ("--world @winding.json", "176 # the maze"),
-        ("--world worlds/maze4.json", "50 # default"),
+        ("", "600 # default"),
+        ("--world @winding.json", "600 # default"),
+        ("--method xcs --world @winding.json", "176 # the maze"),
+        ("--method xcs --world worlds/maze4.json", "50 # default"),
         (
             "--world @winding.json --set reward.step_threshold=60",
             "60 # --set",
         ),
-        ("--world @winding.json --config @all.toml", "176 # the maze"),
+        (
+            "--method xcs --world @winding.json --config @common.toml",
+            "176 # the maze",
+        ),
     ] {
         let said = desk.ok(&format!("config show --resolved {choice}"));
         let mut lines = said.lines();
@@ -41,33 +44,15 @@ fn config_show_names_the_robot_as_the_origin_of_what_its_profile_decides() {
 }
 
 #[test]
-fn config_show_lists_what_counts() {
+fn config_show_prints_the_defaults_of_a_method() {
     let desk = Desk::new();
-    let keys = |choice: &str| -> Vec<String> {
-        let all = desk.json(&format!("config show --json {choice}"));
-        all.as_object().unwrap().keys().cloned().collect()
+    let value = |method: &str, key: &str| {
+        let all = desk.json(&format!("config show --json --method {method}"));
+        all[key]["value"].clone()
     };
-    let table = [
-        "arena.slip",
-        "episode.alternate",
-        "episode.explore",
-        "reward.collision",
-        "reward.gamma",
-        "reward.goal",
-        "reward.step",
-        "reward.step_threshold",
-        "reward.step_threshold_from_maze",
-        "sensor.flip_probability",
-        "tabular.alpha",
-    ];
-    assert_eq!(keys("--method q-learning --arena grid"), table);
-    let driven = keys("--method q-learning --arena physics");
-    let counts = [table.len(), driven.len(), keys("").len()];
-    assert!(counts.is_sorted_by(|a, b| a < b), "{driven:?}");
-    assert!(driven.contains(&"physics.lidar.beams".to_owned()));
-    let file = desk.ok("config show --method q-learning --arena grid");
-    let has = |section: &str| file.contains(section);
-    assert!(has("[tabular]") && !has("[xcs]"), "{file}");
-    let all: Value = desk.json("config show --json --method xcsam");
-    assert_eq!(all["xcs.zeta"]["read_by"], "`xcsam`");
+    assert_eq!(value("xcs", "xcs.population_size"), 1600);
+    assert_eq!(value("xcscr", "xcs.population_size"), 3200);
+    assert_eq!(value("xcscr-plus", "reward.sharing"), "even");
+    let file = desk.ok("config show --method xcscr");
+    assert!(file.contains("dont_care = 0.05"), "{file}");
 }

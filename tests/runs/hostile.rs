@@ -13,12 +13,12 @@ use crate::kit::folder::{journal, replace};
 use crate::kit::mutants::feed;
 use crate::kit::trial::{Trial as Recorded, maze as world, on_the_grid};
 use serde_json::{Value, json};
-use xcscr::agent::{Estimator, Knowledge, Method};
+use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::record::RecordMode;
 use xcscr::record::reader::Recording;
 use xcscr::run::{RunFolder, Session};
-use xcscr::study::{Overrides, Protocol, Report, Shard, Study, StudyFile, StudyFolder};
+use xcscr::study::{Overrides, Protocol, Report, Study, StudyFile, StudyFolder};
 use xcscr::trial::{Config, Plan, Resolved, Settings, Trial};
 use xcscr::world::Maze;
 
@@ -130,7 +130,7 @@ fn finished_study() -> Desk {
         ..Overrides::default()
     };
     let study = Study::new(Protocol::new(&file, &few).unwrap());
-    study.run(desk.folder(), Shard::WHOLE, 1, &mut ()).unwrap();
+    study.run(desk.folder(), 1, &mut ()).unwrap();
     desk
 }
 
@@ -222,16 +222,10 @@ fn mutants_of_plans_with_right_checksums() {
 }
 
 /// What was learned in one episode.
-fn learned((method, map): (Method, bool)) -> Vec<u8> {
-    let mut plan = plan(method, ArenaKind::Grid, 1);
-    if map {
-        plan.config.settings.plus.estimator = Estimator::Map;
-    }
+fn learned(method: Method) -> Vec<u8> {
+    let plan = plan(method, ArenaKind::Grid, 1);
     let mut known = serde_json::to_value(plan.run().unwrap().method().knowledge()).unwrap();
-    // The parts of a map must be as many as each other.
-    if !map {
-        shorten(&mut known);
-    }
+    shorten(&mut known);
     serde_json::to_vec(&known).unwrap()
 }
 
@@ -249,14 +243,7 @@ fn shorten(value: &mut Value) {
 
 #[test]
 fn mutants_of_rules() {
-    let files = [
-        (Method::Xcscr, false),
-        (Method::XcscrPlus, false),
-        (Method::XcscrPlus, true),
-        (Method::QLearning, false),
-        (Method::RMax, true),
-    ]
-    .map(learned);
+    let files = [Method::Xcscr, Method::XcscrPlus, Method::QLearning].map(learned);
     let percept = "0110110101101101".parse().unwrap();
     let mut number = 0;
     feed(&files, (8_000, 1_000_000), |text| {

@@ -20,7 +20,8 @@ fn a_study_goes_on_in_its_own_folder_and_gives_the_same_files_again() {
         "name = \"s\"\nworlds = [\"maze4\"]\nmethods = [\"xcs\"]\ntrials = 2\nepisodes = 2\n";
     desk.write("s.toml", text);
     let study = "study run @s.toml --quiet --out @s";
-    desk.ok(&format!("{study} --shard 1/2"));
+    desk.ok("study plan @s.toml --tasks 2 --out @s");
+    desk.ok("study task @s 1 --quiet");
     desk.ok(study);
     let first = contents(&desk.path("s"));
     desk.ok(study);

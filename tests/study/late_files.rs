@@ -10,8 +10,7 @@ use crate::kit::folder;
 use tempfile::TempDir;
 use xcscr::streams::StreamName;
 use xcscr::study::{
-    Overrides, PlannedStudy, Protocol, Shard, Study, StudyFile, StudyFolder, StudyWatcher,
-    TrialRecord,
+    Overrides, PlannedStudy, Protocol, Study, StudyFile, StudyFolder, StudyWatcher, TrialRecord,
 };
 use xcscr::xcs::random::Stream;
 use xcscr::{Error, ErrorKind};
@@ -70,7 +69,7 @@ impl Cluster {
 }
 
 fn merge(path: &Path) -> Result<StudyFolder, Error> {
-    StudyFolder::merge(&[path.to_owned()], &path.join("result"))
+    StudyFolder::merge(path, &path.join("result"))
 }
 
 /// Ends an attempt after some trials.
@@ -90,7 +89,7 @@ impl StudyWatcher for Patience {
 fn whatever_the_machines_see_of_each_other_the_merge_is_that_of_one_process_or_none() {
     let whole = tempfile::tempdir().unwrap();
     let out = whole.path().join("a");
-    let done = Study::new(protocol()).run(&out, Shard::WHOLE, 1, &mut ());
+    let done = Study::new(protocol()).run(&out, 1, &mut ());
     done.unwrap();
     let mut chance = Stream::new(1, StreamName::World);
     let (mut twice, mut refused, mut torn) = (0, 0, 0);

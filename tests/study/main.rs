@@ -1,4 +1,4 @@
-//! Studies: whole, in shards, in tasks; interrupted, mixed up, and on files that come late.
+//! Studies: whole, in tasks; interrupted, mixed up, and on files that come late.
 
 #![allow(clippy::unwrap_used, reason = "a test ends there")]
 
@@ -8,8 +8,6 @@ mod kit;
 mod desk;
 mod episodes;
 mod late_files;
-#[cfg(target_os = "linux")]
-mod million;
 mod own_agents;
 mod reports;
 #[cfg(unix)]
@@ -17,4 +15,3 @@ mod sharing;
 mod studies;
 #[cfg(unix)]
 mod tasks;
-mod tuning;

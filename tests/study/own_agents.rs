@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use xcscr::study::{Overrides, Protocol, Report, Shard, Study, StudyFile, StudyFolder};
+use xcscr::study::{Overrides, Protocol, Report, Study, StudyFile, StudyFolder};
 
 use crate::kit::program::{expect, outcome};
 
@@ -29,7 +29,7 @@ fn with_own(study: Study) -> Study {
 }
 
 fn run(study: &Study, folder: PathBuf) -> StudyFolder {
-    study.run(&folder, Shard::WHOLE, 1, &mut ()).unwrap()
+    study.run(&folder, 1, &mut ()).unwrap()
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Studies as their users run them: whole, in shards, interrupted, mixed up.
+//! Studies as their users run them: whole, in tasks, interrupted, mixed up.
 //!
 //! The promise is that the folder of a finished study holds the same tables and report, byte for byte,
 //! and the same trials, however it came about.
@@ -13,28 +13,11 @@ use crate::kit::program::{expect, wait_until};
 use serde_json::{Value, json};
 
 #[test]
-fn the_same_bytes_for_any_number_of_jobs_and_any_shards() {
+fn the_same_bytes_for_any_number_of_jobs() {
     let desk = Desk::new();
     for jobs in [2, 8] {
         desk.done(&format!("run small.toml --out jobs{jobs} --jobs {jobs}"));
         desk.assert_whole(&format!("jobs{jobs}"));
-    }
-    for (kind, shards) in [("s", 7), ("h", 2)] {
-        for index in 1..=shards {
-            let words = format!("run small.toml --out {kind}{index} --shard {index}/{shards}");
-            desk.done(&words);
-        }
-    }
-    // The last has the same shard twice, and shards that share trials and agree with each other.
-    for (merged, shards) in [
-        ("forward", "s1 s2 s3 s4 s5 s6 s7"),
-        ("shuffled", "s5 s3 s7 s1 s6 s2 s4"),
-        ("halves", "h2 h1"),
-        ("alone", "jobs2"),
-        ("mixed", "h1 s1 h2 h1 s4 jobs8"),
-    ] {
-        desk.done(&format!("merge {shards} --out {merged}"));
-        desk.assert_whole(merged);
     }
 }
 
@@ -70,14 +53,19 @@ fn intervals(desk: &Desk, folder: &str) -> Vec<String> {
 #[test]
 fn an_incomplete_study_is_no_result_and_status_says_what_is_missing() {
     let desk = Desk::new();
-    desk.done("run small.toml --out a --shard 1/4");
-    desk.done("run small.toml --out b --shard 3/4");
-    desk.refused("merge a b --out ab", 1, "8 of 16 trials are missing");
+    let begin = |study: &str, tasks: usize, out: &str, run: &[usize]| {
+        desk.done(&format!("plan {study} --tasks {tasks} --out {out}"));
+        for task in run {
+            desk.done(&format!("task {out} {task}"));
+        }
+    };
+    begin("small.toml", 4, "a", &[1, 3]);
+    desk.refused("merge a --out ab", 1, "8 of 16 trials are missing");
     assert!(!desk.path("ab").exists());
     // What is finished is shown, but not tested, and no file says that it is the result.
     let (shown, said) = desk.ends("report a", 1);
     for text in [&shown, &said] {
-        assert!(text.contains("12 of 16 trials are missing"), "{text}");
+        assert!(text.contains("8 of 16 trials are missing"), "{text}");
     }
     let is_tested = shown.contains("Tests") || shown.contains("Fewest");
     assert!(shown.contains("maze4") && !is_tested, "{shown}");
@@ -85,28 +73,27 @@ fn an_incomplete_study_is_no_result_and_status_says_what_is_missing() {
     let shown: Value = serde_json::from_str(&desk.ends("report a --json", 1).0).unwrap();
     assert_eq!(
         (&shown["missing"], &shown["comparisons"]),
-        (&json!(12), &json!([]))
+        (&json!(8), &json!([]))
     );
-    let status = desk.done("status a b --shards 4");
+    let status = desk.done("status a");
     for words in [
         "8 of 16 trials finished",
         "missing (8):\n    maze4 xcs grid neighbours: 2 4\n    maze4 xcscr",
-        "shards to run (2): 2/4 4/4",
+        "not started (2): 2,4",
     ] {
         assert!(status.contains(words), "{words}: {status}");
     }
-    assert_eq!(desk.json("status a --json")["finished"], 4);
+    assert_eq!(desk.json("status a --json")["finished"], 8);
     // Arms without a finished trial have no interval.
-    desk.done("run small.toml --out c --shard 1/16");
+    begin("small.toml", 16, "c", &[1]);
     let of_one_trial = intervals(&desk, "c");
     assert!(of_one_trial[0].ends_with(" %"), "{of_one_trial:?}");
     assert_eq!(of_one_trial[1..], ["–"; 3], "{of_one_trial:?}");
     // A hundred arms that have not begun are not listed.
     let sweep = "[sweep]\n\"xcs.mu\" = [0.1, 0.2, 0.3, 0.4]\n";
     desk.write("wide.toml", &(SMALL.to_owned() + sweep));
-    desk.done("run wide.toml --out d --trials 2 --episodes 2 --shard 1/32");
+    begin("wide.toml --trials 2 --episodes 2", 32, "d", &[1]);
     let status = desk.done("status d");
-    assert_eq!(status.lines().count(), 4, "{status}");
     assert!(
         status.contains("all 2 trials of each of 15 arms"),
         "{status}"
@@ -134,7 +121,7 @@ fn a_trial_that_fails_is_a_row_with_its_error() {
 #[test]
 fn a_folder_in_use_is_refused_with_the_holder_and_a_dead_holder_does_not_matter() {
     let desk = Desk::new();
-    let words = "run paper --out a --jobs 1 --quiet";
+    let words = "run small.toml --out a --trials 60 --jobs 1 --quiet";
     let mut child = desk.begin(words);
     wait_until("a trial", || !desk.trials("a").is_empty());
     let holder = format!("is in use by process {}", child.id());
@@ -142,7 +129,7 @@ fn a_folder_in_use_is_refused_with_the_holder_and_a_dead_holder_does_not_matter(
     child.kill().unwrap();
     child.wait().unwrap();
     desk.refused("run small.toml --out a", 73, "another study");
-    desk.done("run paper --out a --shard 1200/1200 --quiet");
+    desk.done(words);
 }
 
 #[test]
@@ -161,9 +148,8 @@ fn faults_in_a_study_and_in_its_commands_are_told_with_the_way_out() {
         (
             "run none.toml --out x",
             66,
-            "paper, paper-search, ablation, plus",
+            "paper, ablation, defaults, sensing",
         ),
-        ("run small.toml --out x --shard 8/7", 2, ""),
         ("run small.toml --out x --jobs 100000", 2, ""),
         ("status x", 66, ""),
         ("report x --format pdf", 2, ""),
@@ -172,8 +158,6 @@ fn faults_in_a_study_and_in_its_commands_are_told_with_the_way_out() {
         assert!(!desk.path("x").exists(), "nothing was begun");
     }
     desk.done("run small.toml --out a --trials 1");
-    desk.done("run small.toml --out b --trials 1 --set xcs.beta=0.1");
-    desk.refused("merge a b --out ab", 65, "different studies");
     desk.refused("run small.toml --out a --trials 2", 73, "another study");
     let plan = desk.read("a/study.json");
     let changed = plan.replace("\"beta\": 0.2", "\"beta\": 0.3");

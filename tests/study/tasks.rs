@@ -1,33 +1,13 @@
-//! Studies in tasks, as a cluster runs them: killed, doubled, in any order. The engine is played by two
-//! scripts here; `tests/slurm/run` takes the real one.
+//! Studies in tasks, as a cluster runs them: killed, doubled, in any order.
 
 use std::fs;
-use std::os::unix::fs::PermissionsExt;
+use std::os::unix::fs::symlink;
+use std::process::Command;
 
 use crate::desk::Desk;
 use crate::kit::folder;
-use serde_json::json;
 use xcscr::streams::StreamName;
 use xcscr::xcs::random::Stream;
-
-/// A folder with an engine that notes what it is asked.
-pub fn desk() -> Desk {
-    let desk = Desk::new();
-    desk.write("queue", "");
-    fs::create_dir(desk.path("bin")).unwrap();
-    let here = desk.path("").display().to_string();
-    play(&desk, "squeue", &format!("cat {here}/queue"));
-    let sbatch = format!("echo \"$PWD $*\" >> {here}/submitted; wc -l < {here}/submitted");
-    play(&desk, "sbatch", &sbatch);
-    desk
-}
-
-/// Puts a script in the place of a program.
-fn play(desk: &Desk, name: &str, script: &str) {
-    let path = desk.path("bin").join(name);
-    fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
-}
 
 /// The journals of a study have each of so many trials once.
 #[track_caller]
@@ -55,7 +35,7 @@ fn a_plan_says_what_would_be_run_and_writes_nothing_unless_told_where() {
 
 #[test]
 fn tasks_in_any_order_and_again_merge_to_the_bytes_of_one_process() {
-    let desk = desk();
+    let desk = Desk::new();
     for tasks in [1, 3, 16] {
         let out = format!("split{tasks}");
         desk.done(&format!("plan small.toml --tasks {tasks} --out {out}"));
@@ -71,7 +51,6 @@ fn tasks_in_any_order_and_again_merge_to_the_bytes_of_one_process() {
     // One process finishes what tasks began, and tasks what one process began.
     desk.done("plan small.toml --tasks 3 --out split");
     desk.done("task split 2");
-    desk.done("run small.toml --out split --shard 1/2");
     desk.done("task split 1");
     desk.done("run small.toml --out split --quiet");
     assert_each_once(&desk, "split", 16);
@@ -80,15 +59,37 @@ fn tasks_in_any_order_and_again_merge_to_the_bytes_of_one_process() {
 }
 
 #[test]
+fn the_array_job_that_a_plan_prints_runs_every_task() {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("bin")).unwrap();
+    symlink(env!("CARGO_BIN_EXE_xcscr"), desk.path("bin/xcscr")).unwrap();
+    let said = desk.done("plan small.toml --tasks 3 --out split");
+    let script = &said[said.find("#!/bin/sh").unwrap()..];
+    assert!(script.contains("\n#SBATCH --array=1-3\n"), "{script}");
+    desk.write("array.sh", script);
+    for task in 1..=3 {
+        desk.refused("merge split", 1, "trials are missing");
+        let path = format!("{}:/usr/bin:/bin", desk.path("bin").display());
+        let mut job = Command::new("sh");
+        job.arg("array.sh").current_dir(desk.path(""));
+        job.env("PATH", path)
+            .env("SLURM_ARRAY_TASK_ID", task.to_string());
+        assert!(job.status().unwrap().success(), "task {task}");
+    }
+    desk.done("merge split");
+    desk.assert_whole("split/result");
+}
+
+#[test]
 fn what_is_not_finished_is_not_merged_and_status_tells_the_tasks() {
-    let desk = desk();
+    let desk = Desk::new();
     desk.done("plan small.toml --tasks 5 --out split");
     desk.done("task split 2");
     desk.done("task split 4");
     let said = desk.done("status split");
     for words in [
-        "6 of 16 trials finished, in 5 tasks",
-        "missing: not started (3): 1,3,5",
+        "6 of 16 trials finished",
+        "  complete (2): 2,4\n  not started (3): 1,3,5",
         "--array=1,3,5",
     ] {
         assert!(said.contains(words), "{words}: {said}");
@@ -99,7 +100,7 @@ fn what_is_not_finished_is_not_merged_and_status_tells_the_tasks() {
 
 #[test]
 fn killed_at_any_moment_a_study_keeps_what_it_finished_and_runs_none_of_it_again() {
-    let desk = desk();
+    let desk = Desk::new();
     desk.done("run small.toml --trials 30 --out whole");
     let mut moments = Stream::new(1, StreamName::World);
     for (jobs, is_task) in [(1, true), (3, true), (2, false)] {
@@ -134,7 +135,7 @@ fn killed_at_any_moment_a_study_keeps_what_it_finished_and_runs_none_of_it_again
 
 #[test]
 fn a_signal_ends_a_study_in_order_with_code_75_and_the_next_attempt_goes_on() {
-    let desk = desk();
+    let desk = Desk::new();
     desk.done("plan small.toml --trials 100 --tasks 2 --out split");
     for (words, name, signal) in [
         ("task split 1 --jobs 1", "split", "USR1"),
@@ -151,69 +152,8 @@ fn a_signal_ends_a_study_in_order_with_code_75_and_the_next_attempt_goes_on() {
 }
 
 #[test]
-fn submitted_again_is_what_is_neither_finished_nor_in_the_queue() {
-    let desk = desk();
-    let words = "submit small.toml --time 90m --partition short --array-limit 2 --out split";
-    desk.refused(words, 2, "such as `--tasks 100`");
-    let said = desk.done(&format!("{words} --tasks 8"));
-    let job = "submitted 8 of 8 tasks as job 1 (--array=1-8)";
-    assert!(said.contains(job), "{said}");
-    let script = desk.read("split/slurm/array.sh");
-    for line in ["--array=1-8%2", "--time=0-01:30:00", "--partition=short"] {
-        let line = format!("#SBATCH {line}\n");
-        assert!(script.contains(&line), "{line}: {script}");
-    }
-    let here = desk.path("split").canonicalize().unwrap();
-    let here = here.display();
-    let asked = format!(
-        "{here} --parsable slurm/array.sh\n{here} --parsable --dependency=afterok:1 \
-         --kill-on-invalid-dep=yes slurm/merge.sh\n"
-    );
-    assert_eq!(desk.read("submitted"), asked);
-    // 1, 2 and 5 are done, 6 ended early, 3 runs, 4 waits; the last line is of another study.
-    for task in [1, 2, 5] {
-        desk.done(&format!("task split {task}"));
-    }
-    desk.write("split/journals/00006-abc", "");
-    let queue = format!("1 3 RUNNING {here}\n1 4 PENDING {here}\n1 7 RUNNING {here}2\n");
-    desk.write("queue", &queue);
-    let status = desk.json("status split --json");
-    for (key, tasks) in [
-        ("complete", json!([1, 2, 5])),
-        ("running", json!([3])),
-        ("waiting", json!([4])),
-        ("failed", json!([6])),
-        ("missing", json!([7, 8])),
-    ] {
-        assert_eq!(status[key], tasks, "{key}: {status}");
-    }
-    let said = desk.done(words);
-    let job = "submitted 3 of 8 tasks as job 3 (--array=6-8)";
-    assert!(said.contains(job), "{said}");
-    let asked = desk.read("submitted");
-    let after = "--dependency=afterok:3,afterany:1 ";
-    assert!(asked.contains(after), "{asked}");
-}
-
-#[test]
-fn what_the_engine_refuses_is_told_and_a_dry_run_asks_it_nothing() {
-    let desk = desk();
-    let words = "submit small.toml --tasks 2 --time 1h --out split";
-    let said = desk.done(&format!("{words} --dry-run"));
-    assert!(said.contains("#SBATCH --array=1-2\n"), "{said}");
-    assert!(!desk.path("split").exists() && !desk.path("submitted").exists());
-    let refusal = "echo 'invalid partition specified: x' >&2; exit 1";
-    play(&desk, "sbatch", refusal);
-    let (_, said) = desk.ends(words, 74);
-    assert_eq!(said, "error: sbatch: invalid partition specified: x\n");
-    for time in ["0m", "1:00", "h", "400d"] {
-        desk.refused(&words.replace("1h", time), 2, "such as 45m, 1h or 2d");
-    }
-}
-
-#[test]
 fn another_study_another_split_and_another_program_are_refused() {
-    let desk = desk();
+    let desk = Desk::new();
     desk.done("plan small.toml --tasks 4 --out split");
     desk.done("plan small.toml --tasks 4 --out split");
     for (words, code, message) in [
@@ -264,33 +204,24 @@ fn another_study_another_split_and_another_program_are_refused() {
 
 #[test]
 fn a_folder_that_holds_something_else_is_refused_by_what_it_holds_and_left_as_it_is() {
-    let desk = desk();
-    let kinds = ["notes", "whole", "split", "search"];
-    let [plan, submit, run, tune] = [
+    let desk = Desk::new();
+    let kinds = ["notes", "whole", "split"];
+    let [plan, run] = [
         "plan small.toml --tasks 4 --out",
-        "submit small.toml --tasks 4 --time 1h --out",
         "run small.toml --force --out",
-        "tune small.toml --budget 16 --out",
     ];
     fs::create_dir(desk.path("notes")).unwrap();
     desk.write("notes/search.md", "mine");
     desk.done(&format!("{run} whole"));
     desk.done(&format!("{plan} split"));
-    desk.done(&format!("{tune} search"));
     let before = kinds.map(|kind| folder::names(&desk.path(kind)));
     let foreign = "contains files that xcscr did not create";
     for (kind, message, refused) in [
-        ("notes", foreign, vec![plan, submit, run, tune]),
-        ("whole", "is split into 1 tasks, not 4", vec![plan, submit]),
-        ("whole", "contains a study", vec![tune]),
-        ("split", "contains a study", vec![tune]),
-        ("search", "contains a search", vec![plan, submit, run]),
+        ("notes", foreign, vec![plan, run]),
+        ("whole", "is split into 1 tasks, not 4", vec![plan]),
     ] {
         for command in &refused {
             desk.refused(&format!("{command} {kind}"), 73, message);
-        }
-        if refused.contains(&submit) {
-            desk.refused(&format!("{submit} {kind} --dry-run"), 73, message);
         }
     }
     assert_eq!(kinds.map(|kind| folder::names(&desk.path(kind))), before);

@@ -7,7 +7,7 @@
 use crate::kit::tally::{Tally, mean, quantile, script, true_cell};
 use crate::kit::trial::maze;
 use crate::worlds::drawn;
-use xcscr::agent::{Estimator, Method};
+use xcscr::agent::Method;
 use xcscr::arena::{
     Arena, CautiousDriving, FaultParams, Localisation, PhysicsArena, PhysicsParams,
 };
@@ -314,22 +314,19 @@ fn a_robot_whose_estimate_lies_in_a_wall_or_outside_is_lost_and_perceives_that_c
 }
 
 /// Learned by `xcscr-plus` in a world of 20 x 20 rooms, from what the robot senses.
-fn learned_in_rooms(sensor: Sensor, estimator: Estimator) -> Trial {
+fn learned_in_rooms(sensor: Sensor) -> Trial {
     let recipe: Recipe = "rooms-20-1".parse().unwrap();
-    let mut plan = Plan::new(recipe.maze().unwrap()).method(Method::XcscrPlus);
-    plan.config.settings.plus.estimator = estimator;
+    let plan = Plan::new(recipe.maze().unwrap()).method(Method::XcscrPlus);
     plan.sensor(sensor).episodes(10).run().unwrap()
 }
 
 #[test]
 fn a_world_of_20_x_20_rooms_is_learned_and_driven_on_sensed_percepts_alone() {
-    for sensor in [Sensor::LidarPosition, Sensor::Lidar] {
-        let mut trial = learned_in_rooms(sensor, Estimator::Auto);
-        assert!(trial.progress().optimal, "{:?}", trial.progress());
-        let driven = Evaluation::after(&mut trial, 3).unwrap();
-        assert!(driven.is_optimal(), "54 steps each: {driven:?}");
-    }
-    let control = learned_in_rooms(Sensor::Lidar, Estimator::Percept);
+    let mut trial = learned_in_rooms(Sensor::LidarPosition);
+    assert!(trial.progress().optimal, "{:?}", trial.progress());
+    let driven = Evaluation::after(&mut trial, 3).unwrap();
+    assert!(driven.is_optimal(), "54 steps each: {driven:?}");
+    let control = learned_in_rooms(Sensor::Lidar);
     assert!(
         !control.progress().optimal,
         "the lidar alone does not tell all cells apart"

@@ -39,6 +39,8 @@ pub enum StreamName {
     BehaviourCloner,
     /// The bits of a percept that observation noise inverts.
     ObservationNoise,
+    /// Ties between equally good paths of planned exploration.
+    Planning,
 }
 
 impl From<StreamName> for u64 {

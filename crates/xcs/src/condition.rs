@@ -61,19 +61,6 @@ impl Condition {
         condition
     }
 
-    /// Creates a condition that requires the percept's value at these alleles and has don't-cares
-    /// elsewhere. Alleles beyond the width are ignored.
-    pub fn of_alleles(percept: &Percept, alleles: impl IntoIterator<Item = usize>) -> Self {
-        let mut condition = Self::anything(percept.width());
-        for allele in alleles
-            .into_iter()
-            .filter(|&allele| allele < percept.width())
-        {
-            condition.set(allele, percept.bit(allele));
-        }
-        condition
-    }
-
     /// Returns the condition with this value required at one more allele.
     pub(super) fn demanding(mut self, allele: usize, value: bool) -> Self {
         self.set(allele, value);

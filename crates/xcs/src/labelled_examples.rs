@@ -1,4 +1,4 @@
-//! Labelled examples: the best actions in a percept, and their value.
+//! Labelled examples: the best actions in a percept.
 
 use super::layout::{Feature, Layout};
 use super::prediction::PredictionArray;
@@ -12,8 +12,6 @@ pub struct LabelledExample {
     pub percept: Percept,
     /// By action: true if it is one of the best.
     pub best: ByAction<bool>,
-    /// The value of the best actions.
-    pub value: f64,
 }
 
 impl LabelledExample {
@@ -44,23 +42,15 @@ pub struct LabelledExamples {
     ones: Vec<FixedBitSet>,
     /// By action: the examples in which the action is one of the best.
     best: ByAction<FixedBitSet>,
-    /// The numbers of the examples that are new or changed since the last [`Self::take_changed`],
-    /// in that order.
-    changed: Vec<usize>,
 }
 
 impl LabelledExamples {
-    /// Returns the same examples for rules over percepts with this layout.
-    pub fn with_layout(self, layout: Layout) -> Self {
-        let mut examples = Self {
+    /// Creates an empty set of examples, whose percepts have this layout.
+    pub fn new(layout: Layout) -> Self {
+        Self {
             layout,
             ..Self::default()
-        };
-        for (number, example) in self.iter() {
-            examples.give(number, *example);
         }
-        examples.changed = self.changed;
-        examples
     }
 
     /// Adds or changes an example. A number always refers to the same percept, and all percepts
@@ -72,7 +62,6 @@ impl LabelledExamples {
         if before == Some(labelled_example) {
             return;
         }
-        self.changed.push(number);
         if before.is_none() {
             self.given.grow_and_insert(number);
             let percept = &labelled_example.percept;
@@ -95,26 +84,47 @@ impl LabelledExamples {
         self.all.get(number)?.as_ref()
     }
 
-    /// Returns all examples, in the order of their numbers.
-    pub fn iter(&self) -> impl Iterator<Item = (usize, &LabelledExample)> {
-        let all = self.all.iter().enumerate();
-        all.filter_map(|(number, labelled_example)| Some((number, labelled_example.as_ref()?)))
-    }
-
-    /// Returns true if any example is new or changed since the last [`Self::take_changed`].
-    pub fn have_changed(&self) -> bool {
-        !self.changed.is_empty()
-    }
-
-    /// Returns and clears the numbers of the new or changed examples, in the order of change.
-    /// Numbers may repeat.
-    pub fn take_changed(&mut self) -> Vec<usize> {
-        std::mem::take(&mut self.changed)
-    }
-
     /// Returns the numbers of all examples, as a set.
     pub(super) fn given(&self) -> &FixedBitSet {
         &self.given
+    }
+
+    /// Returns the examples in which an action is one of the best.
+    pub(super) fn given_where(&self, action: Action) -> &FixedBitSet {
+        &self.best[action.index()]
+    }
+
+    /// Returns all features of the percepts that are true in any example.
+    pub(super) fn features(&self) -> impl Iterator<Item = Feature> + '_ {
+        let all = self.layout.features(self.width);
+        all.filter(|&feature| self.is_ever_true(feature))
+    }
+
+    /// Returns the value of a number in the percept of an example.
+    pub(super) fn number_in(&self, example: usize, number: usize) -> Option<u16> {
+        self.get(example)
+            .map(|example| self.layout.number(&example.percept, number))
+    }
+
+    /// Counts the given examples with this value of a feature: those that do not contradict, and those that do.
+    pub(super) fn count(
+        &self,
+        some: &FixedBitSet,
+        contradicting: &FixedBitSet,
+        feature: Feature,
+        value: bool,
+    ) -> [u32; 2] {
+        let flip = if value { 0 } else { usize::MAX };
+        let ones = self.ones(feature).map_or(&[][..], FixedBitSet::as_slice);
+        let at = |words: &[usize], i: usize| words.get(i).copied().unwrap_or(0);
+        let mut counts = [0; 2];
+        for (i, &word) in some.as_slice().iter().enumerate() {
+            let with = word & (at(ones, i) ^ flip);
+            let wrong = with & at(contradicting.as_slice(), i);
+            counts[0] += (with & !wrong).count_ones();
+            counts[1] += wrong.count_ones();
+        }
+        counts
     }
 
     /// Returns the layout of the percepts.
@@ -129,7 +139,7 @@ impl LabelledExamples {
     }
 
     /// Returns true if a feature is true in the percept of any example.
-    pub(super) fn is_ever_true(&self, feature: Feature) -> bool {
+    fn is_ever_true(&self, feature: Feature) -> bool {
         self.ones(feature).is_some()
     }
 
@@ -147,33 +157,5 @@ impl LabelledExamples {
             (false, ones) => ones.into_iter().for_each(|ones| with.difference_with(ones)),
         }
         with
-    }
-
-    /// Counts the given examples with this value of a feature: `[with, without]` the action among
-    /// the best.
-    pub(super) fn count(
-        &self,
-        some: &FixedBitSet,
-        (feature, value): (Feature, bool),
-        action: Action,
-    ) -> [u32; 2] {
-        let flip = if value { 0 } else { usize::MAX };
-        let ones = self.ones(feature).map_or(&[][..], FixedBitSet::as_slice);
-        let best = self.best[action.index()].as_slice();
-        let at = |words: &[usize], i: usize| words.get(i).copied().unwrap_or(0);
-        let mut counts = [0; 2];
-        for (i, &word) in some.as_slice().iter().enumerate() {
-            let with = word & (at(ones, i) ^ flip);
-            let right = with & at(best, i);
-            counts[0] += right.count_ones();
-            counts[1] += (with & !right).count_ones();
-        }
-        counts
-    }
-
-    /// Counts the given examples with and without the action among the best.
-    pub(super) fn verdicts(&self, some: &FixedBitSet, action: Action) -> [u32; 2] {
-        let right = some.intersection_count(&self.best[action.index()]);
-        [right as u32, (some.count_ones(..) - right) as u32]
     }
 }

@@ -1,4 +1,4 @@
-//! The features that distilled conditions may require of a percept.
+//! The features that conditions of guided covering may require of a percept.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use crate::condition::Condition;
 use crate::ranges::{self, NumberRange};
 use crate::signal::Percept;
 
-/// The binary numbers in a percept, highest bit first. Distilled and compacted conditions require
+/// The binary numbers in a percept, highest bit first. Conditions of guided covering require
 /// ranges of these numbers, and values of all other bits.
 ///
 /// Each feature is true or false in a percept. A feature is a bit outside of the numbers, or the
@@ -85,12 +85,11 @@ impl Layout {
         }
     }
 
-    /// Returns the features of percepts of `width` bits that use only bits before `end`, in order.
-    pub(super) fn features(&self, end: usize) -> impl Iterator<Item = Feature> + '_ {
-        let bits = (0..end).filter(|&bit| self.number_at(bit).is_none());
+    /// Returns the features of percepts of `width` bits, in order.
+    pub(super) fn features(&self, width: usize) -> impl Iterator<Item = Feature> + '_ {
+        let bits = (0..width).filter(|&bit| self.number_at(bit).is_none());
         let numbers = self.numbers.iter().enumerate();
-        let usable = numbers.filter(move |(_, all)| all.bits().end <= end);
-        let limits = usable.flat_map(|(number, all)| {
+        let limits = numbers.flat_map(|(number, all)| {
             (0..all.limits()[1]).map(move |limit| Feature::Above(number, limit))
         });
         bits.map(Feature::Bit).chain(limits)
@@ -110,6 +109,11 @@ impl Layout {
         bits.map(Feature::Bit).chain(limits)
     }
 
+    /// Returns the value of a number in a percept.
+    pub(super) fn number(&self, percept: &Percept, number: usize) -> u16 {
+        ranges::number(percept, self.numbers[number].bits())
+    }
+
     /// Returns true if a feature is true in a percept.
     pub(super) fn is_true(&self, feature: Feature, percept: &Percept) -> bool {
         match feature {
@@ -120,21 +124,8 @@ impl Layout {
         }
     }
 
-    /// Returns the features that a condition requires to be true or false.
-    pub(super) fn required(&self, condition: &Condition) -> Vec<Feature> {
-        let alleles = (0..condition.width()).filter(|&bit| condition.allele(bit).is_some());
-        let numbers = self.numbers.iter().enumerate();
-        let limits = numbers.flat_map(|(place, all)| {
-            let [least, most] = self.range_in(condition, all).limits();
-            let above = (least > 0).then(|| Feature::Above(place, least - 1));
-            let up_to = (most < all.limits()[1]).then_some(Feature::Above(place, most));
-            above.into_iter().chain(up_to)
-        });
-        alleles.map(Feature::Bit).chain(limits).collect()
-    }
-
     /// Returns true if a condition matches percepts in which a feature is true, and others.
-    pub(super) fn is_open(&self, feature: Feature, condition: &Condition) -> bool {
+    fn is_open(&self, feature: Feature, condition: &Condition) -> bool {
         match feature {
             Feature::Bit(bit) => condition.allele(bit).is_none(),
             Feature::Above(number, limit) => {
@@ -145,12 +136,7 @@ impl Layout {
     }
 
     /// Returns the condition with a value required of one more feature, which must be open.
-    pub(super) fn requiring(
-        &self,
-        condition: Condition,
-        feature: Feature,
-        value: bool,
-    ) -> Condition {
+    fn requiring(&self, condition: Condition, feature: Feature, value: bool) -> Condition {
         let (number, limit) = match feature {
             Feature::Bit(bit) => return condition.demanding(bit, value),
             Feature::Above(number, limit) => (number, limit),

@@ -3,8 +3,6 @@
 use super::classifier::Classifier;
 use super::condition::Condition;
 use super::ga::{self, Parent};
-use super::induction::Induction;
-use super::labelled_examples::LabelledExamples;
 use super::params::{GaClock, Params, SubsumerTies, UpdateOrder};
 use super::population::{MOST_STEPS, Population};
 use super::prediction::PredictionArray;
@@ -48,11 +46,6 @@ impl Xcs {
     /// [`MAX_ACTIONS`](crate::MAX_ACTIONS)) that draws from `stream`. The parameters must be valid.
     pub fn new(params: Params, actions: usize, stream: Stream) -> Self {
         Self::with_settings(params, (), actions, stream)
-    }
-
-    /// Discovers rules from labelled examples by induction instead of by the GA.
-    pub fn induce(&mut self, induction: &mut Induction, labelled_examples: &mut LabelledExamples) {
-        induction.learn(&mut self.population, labelled_examples, &self.params);
     }
 
     /// Returns the prediction array for a percept, computed from \[P\] without covering. Changes
@@ -195,6 +188,19 @@ impl<C: Representation> Xcs<C> {
         let rule = Classifier::new(condition, action, self.time, &self.params);
         let eam = self.eam_at_first();
         self.population.insert(Classifier { eam, ..rule });
+    }
+
+    /// Adds an accurate rule that predicts `payoff`, as guided covering does. A rule with the same condition and action
+    /// becomes accurate.
+    pub fn teach(&mut self, condition: C, action: Action, payoff: f64) {
+        let rule = Classifier::new(condition, action, self.time, &self.params);
+        let eam = self.eam_at_first();
+        let id = self.population.insert(Classifier { eam, ..rule });
+        self.population.modify(id, |rule| {
+            (rule.prediction, rule.error, rule.fitness) = (payoff, 0.0, 1.0);
+        });
+        self.population
+            .delete_surplus(&self.params, &mut self.stream);
     }
 
     /// Returns the rules of \[P\] that match a percept and advocate an action, without covering.

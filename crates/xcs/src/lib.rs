@@ -37,8 +37,8 @@
 //!
 //! To control credit assignment, call the steps yourself: [`Xcs::form_match_set`],
 //! [`Xcs::predict`], [`MatchSet::action_set`], [`Xcs::update`] and [`Xcs::evolve`]. With an
-//! adaptive mapping, the learner is XCSAM: see [`Xcs::with_adaptive_mapping`]. [`compact`] compacts
-//! the learned rules. The examples show the 11-multiplexer, the real-valued 6-multiplexer and a
+//! adaptive mapping, the learner is XCSAM: see [`Xcs::with_adaptive_mapping`]. [`fewest_rules`]
+//! returns the fewest rules that keep all decisions. The examples show the 11-multiplexer, the real-valued 6-multiplexer and a
 //! corridor.
 //!
 //! Conditions are ternary ([`Condition`]), for percepts of up to 320 bits and up to 8 actions. For
@@ -54,12 +54,12 @@ pub mod random;
 
 mod agent;
 mod classifier;
-mod compaction;
 mod condition;
 mod deletion;
+mod fewest;
 mod ga;
+mod guided_covering;
 mod handles;
-mod induction;
 mod intervals;
 mod layout;
 mod learner;
@@ -80,10 +80,9 @@ mod limits;
 
 pub use agent::{Agent, AgentState};
 pub use classifier::Classifier;
-pub use compaction::compact;
 pub use condition::{Condition, ConditionError};
+pub use fewest::fewest_rules;
 pub use handles::ClassifierId;
-pub use induction::{Induction, Record};
 pub use intervals::{
     IntervalError, IntervalIndex, IntervalSettings, Intervals, NotANumber, RealPercept,
 };

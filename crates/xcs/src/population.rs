@@ -166,38 +166,6 @@ impl<C: Representation> Population<C> {
         sums
     }
 
-    /// Returns the same rules with their records reset.
-    pub fn without_records(&self) -> Self {
-        let mut fresh = self.clone();
-        for at in 0..fresh.len() {
-            fresh.modify(fresh.id_at(at), |rule| {
-                (rule.experience, rule.fitness) = (0, 1.0);
-            });
-        }
-        fresh
-    }
-
-    /// Records in the rules of \[A\] that they acted once more, and whether that was right.
-    /// Experience counts the steps. Fitness is the share of right steps, starting with one right
-    /// step, as the accuracy of UCS (Bernadó-Mansilla and Garrell, 2003). Returns true if \[A\] has
-    /// any rules.
-    pub fn record(&mut self, percept: &C::Percept, action: Action, right: bool) -> bool {
-        let mut acted = Vec::new();
-        self.for_each_match(percept, |id, rule| {
-            if rule.action == action {
-                acted.push(id);
-            }
-        });
-        for &id in &acted {
-            self.modify(id, |rule| {
-                rule.experience = rule.experience.saturating_add(1);
-                let steps = f64::from(rule.experience) + 1.0;
-                rule.fitness += (f64::from(u8::from(right)) - rule.fitness) / steps;
-            });
-        }
-        !acted.is_empty()
-    }
-
     /// Returns the same rules, all with the time stamp `time` and the effect of mapping `eam`.
     pub(super) fn stamped(&self, time: u64, eam: f32) -> Self {
         let mut stamped = Self::default();

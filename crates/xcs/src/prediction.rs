@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::classifier::Classifier;
 use crate::signal::{Action, ByAction, MAX_ACTIONS};
 
+/// Values that differ by less than this share are nearly equal.
+const NEARLY: f64 = 1e-3;
+
 /// The value of each action in one percept. Actions that no rule advocates have no value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PredictionArray {
@@ -39,6 +42,13 @@ impl PredictionArray {
     /// Returns the greatest value; `None` if no action has a value.
     pub fn greatest(&self) -> Option<f64> {
         self.as_slice().iter().flatten().copied().reduce(f64::max)
+    }
+
+    /// Returns true if the value of an action is the greatest one, or lower by at most a thousandth of it. In mazes, the
+    /// bonus for time in the reward of a success (Eq. 7) makes such differences.
+    pub fn is_nearly_best(&self, action: Action) -> bool {
+        let values = self.get(action).zip(self.greatest());
+        values.is_some_and(|(value, greatest)| value >= greatest - NEARLY * greatest.abs())
     }
 
     /// Returns all actions with the greatest value.

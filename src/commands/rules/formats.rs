@@ -1,7 +1,6 @@
 //! Output formats of rules: text for a terminal, rules.json, and CSV.
 
 use xcscr::ErrorKind;
-use xcscr::agent::Knowledge;
 use xcscr::page::Table;
 use xcscr::xcs::{Classifier, Population};
 
@@ -18,19 +17,7 @@ pub fn text(shown: &Shown<'_>, out: &mut Results) -> Result<(), Failure> {
         writeln!(out, "  where the percept is {percept}")?;
     }
     writeln!(out, "\n{}", table(&shown.rows).text().trim_end())?;
-    if shown.rows.iter().any(uses_position) {
-        writeln!(
-            out,
-            "x and y: cells to the east and to the north of the goal."
-        )?;
-    }
     Ok(())
-}
-
-/// Returns true if a rule depends on the robot's position on the map.
-fn uses_position(row: &Row) -> bool {
-    let limits = ["x >", "x <=", "y >", "y <="];
-    limits.iter().any(|limit| row.words.contains(limit))
 }
 
 /// Prints a rules.json file.
@@ -39,24 +26,7 @@ pub fn json(shown: &Shown<'_>, out: &mut Results) -> Result<(), Failure> {
     let rules: Population = rules
         .try_into()
         .expect("some rules of a population form one");
-    let knowledge = shown.knowledge;
-    let printed = match knowledge {
-        Knowledge::RulesOverMatchSet(_) if shown.compacted.is_none() => {
-            Knowledge::RulesOverMatchSet(rules)
-        }
-        Knowledge::MapRules { map, .. } => Knowledge::MapRules {
-            rules,
-            map: map.clone(),
-        },
-        _ => match knowledge.generalisation().cloned() {
-            Some(generalisation) => Knowledge::PerceptRules {
-                rules,
-                generalisation,
-            },
-            None => Knowledge::Rules(rules),
-        },
-    };
-    print_json(&printed, out)
+    print_json(&shown.knowledge.with_rules(rules), out)
 }
 
 /// Prints a CSV table.
@@ -89,11 +59,9 @@ fn headline(shown: &Shown<'_>) -> String {
     };
     let optimal = if compacted.optimal { "" } else { "not " };
     format!(
-        "{world}, {sensor}: {} rules, compacted from {all}\n  the same choice in {} of the \
-         {} percepts of the world that they know; the policy is {optimal}globally optimal",
+        "{world}, {sensor}: the {} rules of {all} that keep all decisions (`--all` prints all)\n  their policy is \
+         {optimal}globally optimal",
         compacted.rules.len(),
-        compacted.agreeing,
-        compacted.percepts
     )
 }
 

@@ -4,7 +4,6 @@ use std::cmp::Reverse;
 
 use clap::ValueEnum;
 use serde::Serialize;
-use xcscr::agent::Knowledge;
 use xcscr::trial::Plan;
 use xcscr::xcs::{Action, Classifier, Condition, Percept};
 
@@ -54,23 +53,14 @@ pub struct Row {
 }
 
 /// Returns the rules that match a percept, or all rules, in the given order.
-pub fn rows(
-    rules: &[Classifier],
-    (plan, knowledge): (&Plan, &Knowledge),
-    here: Option<&Percept>,
-    by: Order,
-) -> Vec<Row> {
+pub fn rows(rules: &[Classifier], plan: &Plan, here: Option<&Percept>, by: Order) -> Vec<Row> {
     let Plan { maze, config } = plan;
-    // For rules with a map: the contexts at the beginning of an episode.
     let percepts: Vec<Percept> = config.sensor.percepts(maze);
-    let percepts: Vec<Percept> = percepts.iter().map(|p| knowledge.rule_input(p)).collect();
-    let here = here.map(|percept| knowledge.rule_input(percept));
-    let here = here.as_ref();
     let matches = |rule: &&Classifier| here.is_none_or(|percept| rule.condition.matches(percept));
     let row = |rule: &Classifier| Row {
         condition: rule.condition,
         action: rule.action,
-        words: words(rule, plan, knowledge),
+        words: config.sensor.words(maze, &rule.condition),
         go: maze.action_name(rule.action),
         covers: percepts
             .iter()
@@ -94,11 +84,4 @@ pub fn rows(
         Order::Experience => rows.sort_by_key(|row| Reverse(row.experience)),
     }
     rows
-}
-
-/// Describes the demands of a rule in words; for a rule with a map, also its demands on the cell
-/// and the last steps.
-pub fn words(rule: &Classifier, plan: &Plan, knowledge: &Knowledge) -> String {
-    let Plan { maze, config } = plan;
-    knowledge.words(config.sensor, maze, &rule.condition)
 }

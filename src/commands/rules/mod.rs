@@ -27,15 +27,14 @@ pub struct RulesArgs {
     cell: Option<Cell>,
     /// Explain the choice in this cell: the rules that match, the changes of the percept that
     /// would change the choice, and the episodes that shaped the strongest rule.
-    #[arg(long, value_name = "COL,ROW", value_parser = cell, conflicts_with_all = ["cell", "compact", "format", "json", "csv"])]
+    #[arg(long, value_name = "COL,ROW", value_parser = cell, conflicts_with_all = ["cell", "all", "format", "json", "csv"])]
     why: Option<Cell>,
     /// Sort the rules by this column: largest first, except error and action.
     #[arg(long, value_name = "BY", default_value = "covers")]
     sort: Order,
-    /// Compact the rules to a few general ones that choose the same action for every percept of the
-    /// world.
+    /// Print all rules of the population, not only the fewest that keep all decisions.
     #[arg(long)]
-    compact: bool,
+    all: bool,
     /// Print the rules in this format.
     #[arg(long, value_name = "FORMAT", default_value = "text")]
     format: Format,
@@ -78,24 +77,21 @@ pub fn run(args: &RulesArgs, out: &mut Results) -> Result<(), Failure> {
             let message = format!("{},{} is a goal: an episode ends there", cell.col, cell.row);
             return Err(Failure::new(ErrorKind::Usage, message));
         }
-        return why::print(
-            (&plan, &knowledge),
-            cell,
-            args.learned.can_be_repeated(),
-            out,
-        );
+        let few = knowledge.with_fewest_rules(plan.config.sensor, &plan.maze);
+        return why::print((&plan, &few), cell, args.learned.can_be_repeated(), out);
     }
     let here = args.cell.map(|cell| perceived(&plan, cell)).transpose()?;
-    let compacted = args
-        .compact
-        .then(|| compact(&knowledge, &plan))
-        .transpose()?;
+    let compacted = if args.all {
+        None
+    } else {
+        compact(&knowledge, &plan)
+    };
     let all = knowledge.rules().map_or(&[][..], Population::rules);
     let rules = compacted
         .as_ref()
         .map_or(all, |compacted| compacted.rules.rules());
     let shown = Shown {
-        rows: listing::rows(rules, (&plan, &knowledge), here.as_ref(), args.sort),
+        rows: listing::rows(rules, &plan, here.as_ref(), args.sort),
         plan: &plan,
         knowledge: &knowledge,
         compacted: compacted.as_ref(),
@@ -141,28 +137,16 @@ fn checked(plan: &Plan, knowledge: &Knowledge) -> Result<(), Failure> {
     knowledge.check(config.sensor, maze)?;
     let message = match knowledge {
         _ if knowledge.rules().is_some() => return Ok(()),
-        Knowledge::Planned(_) => "what was learned is a plan on a map; it has no rules",
         _ => "what was learned is a table of a tabular method; it has no rules",
     };
     Err(Failure::new(ErrorKind::BadData, message))
 }
 
-fn compact(knowledge: &Knowledge, plan: &Plan) -> Result<Compacted, Failure> {
+/// Returns the fewest rules that keep all decisions; `None` if the world has too many percepts.
+fn compact(knowledge: &Knowledge, plan: &Plan) -> Option<Compacted> {
     let Plan { maze, config } = plan;
     let paths = Paths::with_slip(maze, config.settings.arena.slip);
-    Compacted::new(knowledge, config.sensor, maze, &paths).ok_or_else(|| {
-        let name = maze.name();
-        let message = match knowledge.remembers() {
-            true => "rules with a map are compacted during learning: list them without \
-                     `--compact`"
-                .to_owned(),
-            false => format!(
-                "{name} has more than {} percepts: too many to compact the rules",
-                Compacted::MOST_PERCEPTS
-            ),
-        };
-        Failure::new(ErrorKind::BadData, message)
-    })
+    Compacted::new(knowledge, config.sensor, maze, &paths)
 }
 
 fn perceived(plan: &Plan, cell: Cell) -> Result<Percept, Failure> {

@@ -6,7 +6,6 @@ use xcscr::trial::{Change, Plan, RuleHistory, WeightedRule, Why};
 use xcscr::world::Cell;
 use xcscr::xcs::{Action, Classifier};
 
-use super::listing::words;
 use crate::commands::failure::Failure;
 use crate::commands::results::Results;
 use crate::commands::terminal::write_words;
@@ -28,13 +27,9 @@ pub fn print(
     let Plan { maze, config } = plan;
     let why = Why::at(plan, knowledge, cell);
     let (world, sensor) = (maze.name(), config.sensor);
-    let note = match knowledge {
-        Knowledge::MapRules { .. } => ", in an episode that begins there",
-        _ => "",
-    };
     writeln!(
         out,
-        "{world}, {}, cell {},{}{note}",
+        "{world}, {}, cell {},{}",
         sensor.name(),
         cell.col,
         cell.row
@@ -42,10 +37,10 @@ pub fn print(
     let perceived = sensor.words(maze, &|at| Some(why.percept.bit(at)));
     write_words(out, &format!("  perceives   {perceived}"))?;
     write_words(out, &format!("  goes        {}", choice(plan, &why)))?;
-    print_votes((plan, knowledge), &why, out)?;
+    print_votes(plan, &why, out)?;
     print_changes(&why, plan, out)?;
     match why.decisive() {
-        Some(rule) if is_run => print_history(rule, plan, knowledge, out),
+        Some(rule) if is_run => print_history(rule, plan, out),
         _ => Ok(()),
     }
 }
@@ -70,11 +65,7 @@ fn choice(plan: &Plan, why: &Why) -> String {
 }
 
 /// Prints the strongest matching rules.
-fn print_votes(
-    (plan, knowledge): (&Plan, &Knowledge),
-    why: &Why,
-    out: &mut Results,
-) -> Result<(), Failure> {
+fn print_votes(plan: &Plan, why: &Why, out: &mut Results) -> Result<(), Failure> {
     let (mut shown, mut more): (Vec<&WeightedRule>, Vec<String>) = Default::default();
     for votes in why.votes.chunk_by(|a, b| a.rule.action == b.rule.action) {
         let (first, rest) = votes.split_at(votes.len().min(MOST_VOTES));
@@ -90,7 +81,7 @@ fn print_votes(
     let table = Table::of(
         shown,
         &[
-            ("if", &|vote| words(&vote.rule, plan, knowledge)),
+            ("if", &|vote| words(&vote.rule, plan)),
             ("go", &|vote| plan.maze.action_name(vote.rule.action)),
             ("value", &|vote| format!("{:.1}", vote.rule.prediction)),
             ("share", &|vote| format!("{:.0} %", 100.0 * vote.share)),
@@ -139,13 +130,8 @@ fn print_changes(why: &Why, plan: &Plan, out: &mut Results) -> Result<(), Failur
     }
 }
 
-fn print_history(
-    rule: &Classifier,
-    plan: &Plan,
-    knowledge: &Knowledge,
-    out: &mut Results,
-) -> Result<(), Failure> {
-    let words = words(rule, plan, knowledge);
+fn print_history(rule: &Classifier, plan: &Plan, out: &mut Results) -> Result<(), Failure> {
+    let words = words(rule, plan);
     let name = plan.maze.action_name(rule.action);
     let Some(history) = RuleHistory::of(plan, rule.condition, rule.action)? else {
         return Ok(());
@@ -174,4 +160,9 @@ fn print_history(
         )?;
     }
     Ok(())
+}
+
+/// Describes the demands of a rule in words.
+fn words(rule: &Classifier, plan: &Plan) -> String {
+    plan.config.sensor.words(&plan.maze, &rule.condition)
 }

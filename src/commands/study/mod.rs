@@ -2,70 +2,50 @@
 
 mod choice;
 mod plan;
-mod planned_status;
 mod progress;
 mod status;
-mod submit;
 mod task;
-mod tune;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::{Subcommand, ValueEnum};
 use xcscr::ErrorKind;
-use xcscr::study::{PlannedStudy, Protocol, Report, Shard, Slurm, Study, StudyFolder, StudyKey};
+use xcscr::study::{PlannedStudy, Protocol, Report, Study, StudyFolder};
 
 use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
 use crate::commands::output::print_json;
 use crate::commands::results::Results;
-use crate::commands::terminal::{file_link, say, write_link, write_words};
+use crate::commands::terminal::{file_link, say, write_link};
 use choice::ChoiceArgs;
 use plan::PlanArgs;
-use planned_status::PlannedStatus;
 use progress::Progress;
 use status::Status;
-use submit::SubmitArgs;
 use task::TaskArgs;
-use tune::TuneArgs;
 
 /// Subcommands of `study`.
 #[derive(Debug, Subcommand)]
 pub enum StudyCommand {
     /// Run a study, or resume an interrupted one.
     Run(RunArgs),
-    /// List the keys of a study file, with an example of each.
-    Keys,
     /// Show the trials of a study, and split them into tasks for many machines.
     Plan(PlanArgs),
-    /// Submit the tasks of a study to a cluster, or those that are missing or failed.
-    Submit(SubmitArgs),
     /// Run one task of a planned study (called by cluster jobs).
     Task(TaskArgs),
-    /// Search for the best of the settings that a study varies. All candidates begin with few
-    /// seeds, the worse half is dropped after each rung, and the best two are compared on fresh
-    /// seeds.
-    Tune(TuneArgs),
-    /// List the missing and failed trials of a study, or of several shards of a study. For a
-    /// planned study, list its tasks and those to submit again.
+    /// List the missing and failed trials of a study, and the tasks of a planned study.
     Status {
-        /// Folders of one study.
-        #[arg(required = true, value_name = "DIR")]
-        folders: Vec<PathBuf>,
-        /// For a study split into this many shards, list those that have trials left to run.
-        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-        shards: Option<u32>,
+        /// The folder of a study.
+        folder: PathBuf,
         /// Print one JSON document.
         #[arg(long)]
         json: bool,
     },
-    /// Merge the shards of a study, in any order, or the tasks of a planned study, into one folder.
+    /// Merge the tasks of a planned study into one folder.
     Merge {
-        /// Folders of one study.
-        #[arg(required = true, value_name = "DIR")]
-        folders: Vec<PathBuf>,
-        /// Folder of the merged study; for a planned study, `result` in its folder by default.
+        /// The folder of a planned study.
+        folder: PathBuf,
+        /// Folder of the merged study [default: `result` in the folder of the study].
         #[arg(short, long, value_name = "DIR")]
         out: Option<PathBuf>,
         /// Write a row for each episode into episodes.csv.gz. This repeats the trials.
@@ -134,9 +114,6 @@ pub struct RunArgs {
     /// The folder of the study [default: studies/<name>].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Run only one of several shards, such as 2/7.
-    #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
-    shard: Shard,
     /// Number of parallel trials; 0 for as many as there are cores.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     jobs: u16,
@@ -144,7 +121,7 @@ pub struct RunArgs {
     #[arg(long)]
     force: bool,
     /// Write a row for each episode into episodes.csv.gz at the end. This repeats the trials.
-    #[arg(long, conflicts_with = "shard")]
+    #[arg(long)]
     episodes_csv: bool,
     /// Print one JSON document instead of the report.
     #[arg(long)]
@@ -158,33 +135,18 @@ pub struct RunArgs {
 pub fn run(command: &StudyCommand, out: &mut Results) -> Result<(), Failure> {
     match command {
         StudyCommand::Run(args) => run_trials(args, out),
-        StudyCommand::Keys => keys(out),
         StudyCommand::Plan(args) => plan::run(args, out),
-        StudyCommand::Submit(args) => submit::run(args, out),
         StudyCommand::Task(args) => task::run(args),
-        StudyCommand::Tune(args) => tune::run(args, out),
-        StudyCommand::Status {
-            folders,
-            shards,
-            json,
-        } => {
-            let folder = StudyFolder::join(folders)?;
-            let planned = folder.planned();
-            let has_tasks = planned.tasks() > 1 || Slurm::knows(planned);
-            match folders.len() == 1 && has_tasks {
-                true => PlannedStatus::of(&folder)?.print(planned, *json, out),
-                false => {
-                    Status::new(&folder, shards.map(|shards| shards as usize)).print(*json, out)
-                }
-            }
+        StudyCommand::Status { folder, json } => {
+            Status::of(&StudyFolder::read(folder)?)?.print(*json, out)
         }
         StudyCommand::Merge {
-            folders,
+            folder,
             out: path,
             episodes_csv,
             force,
         } => {
-            let folder = merge(folders, path.as_deref(), *force)?;
+            let folder = merge(folder, path.as_deref(), *force)?;
             let folder = match episodes_csv {
                 true => with_episodes(folder, 0)?,
                 false => folder,
@@ -205,34 +167,13 @@ pub fn run(command: &StudyCommand, out: &mut Results) -> Result<(), Failure> {
     }
 }
 
-/// Lists the keys of a study file.
-fn keys(out: &mut Results) -> Result<(), Failure> {
-    for key in StudyKey::all() {
-        let default = match key.default {
-            None => "required".to_owned(),
-            Some(default) => format!("default: {default}"),
-        };
-        writeln!(out, "{} ({}; {default})", key.name, key.kind)?;
-        write_words(out, &format!("  {}", key.about))?;
-        let example = key.example.replace('\n', "\n    ");
-        writeln!(out, "    {example}\n")?;
-    }
-    Ok(())
-}
-
-fn merge(folders: &[PathBuf], out: Option<&Path>, force: bool) -> Result<StudyFolder, Failure> {
-    let path = match (out, folders) {
-        (Some(out), _) => out.to_owned(),
-        (None, [folder]) => PlannedStudy::read(folder)?.result(),
-        _ => {
-            let message = "name the folder of the whole study with `--out DIR`";
-            return Err(Failure::new(ErrorKind::Usage, message));
-        }
-    };
+fn merge(folder: &Path, out: Option<&Path>, force: bool) -> Result<StudyFolder, Failure> {
+    let planned = PlannedStudy::read(folder)?;
+    let path = out.map_or_else(|| planned.result(), Path::to_owned);
     if force {
-        StudyFolder::replace_other(&path, StudyFolder::join(folders)?.protocol())?;
+        StudyFolder::replace_other(&path, planned.protocol())?;
     }
-    Ok(StudyFolder::merge(folders, &path)?.replacing(force))
+    Ok(StudyFolder::merge(folder, &path)?.replacing(force))
 }
 
 fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
@@ -249,7 +190,7 @@ fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
     let mut progress = Progress::new(args.quiet, interrupt);
     let study = Study::new(protocol);
     let folder = study
-        .run(&path, args.shard, args.jobs.into(), &mut progress)?
+        .run(&path, args.jobs.into(), &mut progress)?
         .replacing(args.force);
     drop(progress);
     let missing = folder.missing();
@@ -260,16 +201,12 @@ fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
         };
         return finish(&folder, Format::Text.or_json(args.json), out);
     }
-    if missing.iter().any(|trial| args.shard.holds(*trial)) {
-        let all = study.protocol().len();
-        let done = all - missing.len();
-        let message = format!(
-            "interrupted after {done} of {all} trials; run the same command again to resume it"
-        );
-        return Err(Failure::new(ErrorKind::Interrupted, message));
-    }
-    Status::new(&folder, None).print(args.json, out)?;
-    refuse_failed(&folder)
+    let all = study.protocol().len();
+    let done = all - missing.len();
+    let message = format!(
+        "interrupted after {done} of {all} trials; run the same command again to resume it"
+    );
+    Err(Failure::new(ErrorKind::Interrupted, message))
 }
 
 /// Writes the table of episodes of the study in a folder.

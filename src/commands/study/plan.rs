@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use xcscr::disk::typed;
 use xcscr::study::{Arm, PlannedStudy, Protocol};
 
 use super::choice::ChoiceArgs;
@@ -19,7 +20,8 @@ pub struct PlanArgs {
     /// Number of tasks to split the study into, each one cluster job.
     #[arg(long, value_name = "N")]
     tasks: Option<usize>,
-    /// Freeze the study in this folder, for `study task` and `study submit`.
+    /// Freeze the study in this folder, for `study task`, and print an array job
+    /// for Slurm.
     #[arg(long, value_name = "DIR", requires = "tasks")]
     out: Option<PathBuf>,
     /// Print one JSON document.
@@ -55,10 +57,20 @@ pub(super) fn run(args: &PlanArgs, out: &mut Results) -> Result<(), Failure> {
     if args.out.is_none() && !args.json {
         say("nothing was written: use `--tasks` and `--out` to freeze the study in a folder");
     }
-    match args.json {
-        true => print_json(&outline, out),
-        false => Ok(outline.print(out)?),
+    if args.json {
+        return print_json(&outline, out);
     }
+    outline.print(out)?;
+    if let (Some(folder), Some(tasks)) = (&args.out, args.tasks) {
+        write!(out, "\n{}", array_job(folder, tasks))?;
+    }
+    Ok(())
+}
+
+/// Returns a script that runs every task of a planned study in Slurm.
+fn array_job(folder: &Path, tasks: usize) -> String {
+    let script = include_str!("array.sh").replace("@TASKS@", &tasks.to_string());
+    format!("#!/bin/sh\n{}", script.replace("@FOLDER@", &typed(folder)))
 }
 
 impl Outline {

@@ -1,11 +1,12 @@
-//! `xcscr study status`: lists missing and failed trials.
+//! `xcscr study status`: lists missing and failed trials, and the tasks to run.
 
 use serde::Serialize;
-use xcscr::study::{Arm, Shard, Slurm, StudyFolder};
+use xcscr::disk::typed;
+use xcscr::study::{Arm, StudyFolder, TaskState};
 
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
-use crate::commands::results::Results;
+use crate::commands::results::{Results, Unwritten};
 
 /// The most arms with all trials listed that get a line each.
 const MANY_ARMS: usize = 8;
@@ -22,12 +23,66 @@ pub(super) struct Status {
     /// The names of the arms, and the number of trials in each.
     #[serde(skip)]
     arms: (Vec<String>, usize),
-    /// The shards with trials left to run.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    shards: Option<Vec<String>>,
+    /// The tasks of a study that is split into several.
+    #[serde(flatten)]
+    tasks: Option<Tasks>,
+}
+
+/// The states of the tasks of a study.
+#[derive(Debug, Serialize)]
+struct Tasks {
+    tasks: usize,
+    complete: Vec<usize>,
+    started: Vec<usize>,
+    not_started: Vec<usize>,
+    /// The list of the tasks to run, in the form of Slurm's `--array=`.
+    array: String,
+    #[serde(skip)]
+    folder: String,
 }
 
 impl Status {
+    pub fn of(folder: &StudyFolder) -> Result<Self, Failure> {
+        let (protocol, missing) = (folder.protocol(), folder.missing());
+        let is_split = folder.planned().tasks() > 1;
+        Ok(Self {
+            study: protocol.name.clone(),
+            plan: folder.plan().to_owned(),
+            trials: protocol.len(),
+            finished: protocol.len() - missing.len(),
+            failed: folder.failed(),
+            arms: (
+                protocol.arms.iter().map(Arm::name).collect(),
+                protocol.trials,
+            ),
+            missing,
+            tasks: is_split.then(|| Tasks::of(folder)).transpose()?,
+        })
+    }
+
+    pub fn print(&self, json: bool, out: &mut Results) -> Result<(), Failure> {
+        if json {
+            return print_json(self, out);
+        }
+        let (study, plan, finished, trials) = (&self.study, &self.plan, self.finished, self.trials);
+        writeln!(
+            out,
+            "study {study}, plan {plan}: {finished} of {trials} trials finished"
+        )?;
+        for (name, trials) in [("missing", &self.missing), ("failed", &self.failed)] {
+            if !trials.is_empty() {
+                writeln!(out, "  {name} ({}):", trials.len())?;
+            }
+            for line in self.listed(trials) {
+                writeln!(out, "    {line}")?;
+            }
+        }
+        if let Some(tasks) = &self.tasks {
+            tasks.print(out)?;
+        }
+        Ok(())
+    }
+
     /// Lists trials, numbered as in trials.csv, with one line for each arm. If there are many arms
     /// of which every trial is listed, they share one line.
     fn listed(&self, trials: &[usize]) -> Vec<String> {
@@ -36,7 +91,7 @@ impl Status {
         let (whole, part): (Vec<_>, Vec<_>) = arms.partition(|own| own.len() == *per_arm);
         let line = |own: &&[usize]| {
             let numbers: Vec<usize> = own.iter().map(|trial| trial % per_arm + 1).collect();
-            let numbers = Slurm::ranges(&numbers).replace(',', " ");
+            let numbers = ranges(&numbers).replace(',', " ");
             format!("{}: {numbers}", names[own[0] / per_arm])
         };
         let mut lines: Vec<String> = part.iter().map(line).collect();
@@ -46,56 +101,54 @@ impl Status {
         }
         lines
     }
+}
 
-    pub fn new(folder: &StudyFolder, shards: Option<usize>) -> Self {
-        let (protocol, missing) = (folder.protocol(), folder.missing());
-        let open = |count| {
-            let shards = Shard::all(count);
-            let open = shards.filter(|shard| missing.iter().any(|trial| shard.holds(*trial)));
-            open.map(|shard| shard.to_string()).collect()
+impl Tasks {
+    fn of(folder: &StudyFolder) -> Result<Self, Failure> {
+        let states = folder.task_states()?;
+        let tasks_that = |are: &[TaskState]| -> Vec<usize> {
+            let some = states.iter().filter(|(_, state)| are.contains(state));
+            some.map(|(task, _)| *task).collect()
         };
-        Self {
-            study: protocol.name.clone(),
-            plan: folder.plan().to_owned(),
-            trials: protocol.len(),
-            finished: protocol.len() - missing.len(),
-            failed: folder.failed(),
-            shards: shards.map(open),
-            arms: (
-                protocol.arms.iter().map(Arm::name).collect(),
-                protocol.trials,
-            ),
-            missing,
-        }
+        let open = tasks_that(&[TaskState::Started, TaskState::NotStarted]);
+        Ok(Self {
+            tasks: states.len(),
+            complete: tasks_that(&[TaskState::Complete]),
+            started: tasks_that(&[TaskState::Started]),
+            not_started: tasks_that(&[TaskState::NotStarted]),
+            array: ranges(&open),
+            folder: typed(folder.path()),
+        })
     }
 
-    pub fn print(&self, json: bool, out: &mut Results) -> Result<(), Failure> {
-        if json {
-            return print_json(self, out);
-        }
-        let head = head(&self.study, &self.plan, self.finished, self.trials);
-        writeln!(out, "{head}")?;
-        for (name, trials) in [("missing", &self.missing), ("failed", &self.failed)] {
-            if !trials.is_empty() {
-                writeln!(out, "  {name} ({}):", trials.len())?;
-            }
-            for line in self.listed(trials) {
-                writeln!(out, "    {line}")?;
+    /// Prints the states, and the next step.
+    fn print(&self, out: &mut Results) -> Result<(), Unwritten> {
+        writeln!(out, "{} tasks", self.tasks)?;
+        for (name, tasks) in [
+            ("complete", &self.complete),
+            ("started, not complete", &self.started),
+            ("not started", &self.not_started),
+        ] {
+            if !tasks.is_empty() {
+                writeln!(out, "  {name} ({}): {}", tasks.len(), ranges(tasks))?;
             }
         }
-        if let Some(shards) = &self.shards {
-            writeln!(
+        match &self.array[..] {
+            "" => writeln!(out, "next: xcscr study merge {}", self.folder),
+            array => writeln!(
                 out,
-                "  shards to run ({}): {}",
-                shards.len(),
-                shards.join(" ")
-            )?;
+                "to complete it, run the tasks that do not run now, in Slurm with --array={array}"
+            ),
         }
-        Ok(())
     }
 }
 
-/// Returns the first line of a status.
-pub(super) fn head(study: &str, plan: &str, finished: usize, trials: usize) -> String {
-    format!("study {study}, plan {plan}: {finished} of {trials} trials finished")
+/// Formats ascending numbers as ranges, such as `1-3,7`.
+fn ranges(numbers: &[usize]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
+    let run = |run: &[usize]| match run {
+        [first, .., last] => format!("{first}-{last}"),
+        _ => run.iter().map(usize::to_string).collect(),
+    };
+    runs.map(run).collect::<Vec<_>>().join(",")
 }

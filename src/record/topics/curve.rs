@@ -60,6 +60,7 @@ mod tests {
             reward: 0.0,
             step_threshold: 50,
             learning_rate: 0.2,
+            filter_firings: 0,
             imprinted: false,
             rules: 1,
         }

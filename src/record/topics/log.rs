@@ -24,7 +24,13 @@ pub(in crate::record) fn collision(step: &Step<'_>, time_ns: u64) -> Option<Log>
     let going = step.view.maze.direction(step.action)?.name();
     let (col, row) = (step.cell.col, step.cell.row);
     let impulse = impulse_ns.map_or_else(String::new, |ns| format!(", impulse {ns:.1} N s"));
-    let text = format!("collision going {going} at ({col},{row}){impulse}");
+    let value = step
+        .credit
+        .filtered
+        .map_or_else(String::new, |[before, after]| {
+            format!("; value of {going} {before:.0} -> {after:.0}")
+        });
+    let text = format!("contact going {going} at ({col},{row}){impulse}{value}");
     Some(line(time_ns, Level::Warning, "arena", text))
 }
 
@@ -35,7 +41,15 @@ pub(in crate::record) fn ended(episode: &Episode, time_ns: u64) -> Log {
         Ending::StepLimit => "gave up",
     };
     let (number, steps, hits) = (episode.episode, episode.steps, episode.collisions);
-    let text = format!("episode {number} {how} after {steps} steps, {hits} collisions");
+    let imprinted = if episode.imprinted {
+        ", imprinted a policy"
+    } else {
+        ""
+    };
+    let limit = episode.step_threshold;
+    let text = format!(
+        "episode {number} {how} after {steps} steps, {hits} collisions{imprinted}; step limit {limit}"
+    );
     line(time_ns, Level::Info, "episode", text)
 }
 

@@ -8,9 +8,8 @@ use super::{Topic, to_parts};
 use crate::agent::DecisionSource;
 use crate::episode::Step;
 use crate::sensor::Sensor;
-use crate::trial::words_of_context;
 use crate::world::Maze;
-use xcs::{Action, Condition};
+use xcs::Action;
 
 /// Colours of actions selected by rules or a table, and of exploratory ones.
 const CHOSEN: u32 = 0xffffff;
@@ -137,7 +136,7 @@ fn because(step: &Step<'_>, sensor: Sensor) -> String {
     let condition = step.fired();
     condition.map_or_else(
         || source_name(step.source).to_owned(),
-        |condition| demands(step, &condition, sensor),
+        |condition| sensor.words(step.view.maze, &condition),
     )
 }
 
@@ -147,16 +146,6 @@ fn source_name(source: DecisionSource) -> &'static str {
         DecisionSource::Table => "table",
         DecisionSource::Planner => "explores by plan",
         DecisionSource::Chance => "explores by chance",
-    }
-}
-
-/// Returns the demands of a condition as text, including those on the map if the condition has
-/// them.
-fn demands(step: &Step<'_>, condition: &Condition, sensor: Sensor) -> String {
-    let maze = step.view.maze;
-    match condition.width() == step.percept.width() {
-        true => sensor.words(maze, condition),
-        false => words_of_context(sensor, maze, condition),
     }
 }
 

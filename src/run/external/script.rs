@@ -42,7 +42,7 @@ impl Agent for Script<'_> {
         Choice::new(action, DecisionSource::Table)
     }
 
-    fn update(&mut self, _: Action, _: Outcome) -> StepCredit {
+    fn update(&mut self, _: Action, _: Outcome, _: Option<&Percept>) -> StepCredit {
         self.step += 1;
         StepCredit {
             short_term_reward: self.episode.rewards[self.step - 1],

@@ -9,7 +9,7 @@ use crate::episode::Mistakes;
 use crate::streams::StreamName;
 use crate::study::protocol::{Arm, Protocol};
 use crate::study::statistics::{
-    Interval, Lifetime, Pairs, Proportion, Survival, bootstrap_interval, quantile, rounded,
+    Interval, Pairs, Proportion, bootstrap_interval, quantile, rounded,
 };
 use crate::study::store::StudyFolder;
 use crate::study::store::{Driven, Figures};
@@ -25,7 +25,6 @@ pub struct ArmRecords<'a> {
     pub failed: usize,
     folder: &'a StudyFolder,
     trials: Range<usize>,
-    episodes: u32,
 }
 
 impl<'a> ArmRecords<'a> {
@@ -45,7 +44,6 @@ impl<'a> ArmRecords<'a> {
             failed,
             folder,
             trials,
-            episodes: folder.protocol().episodes,
         }
     }
 
@@ -61,25 +59,35 @@ impl<'a> ArmRecords<'a> {
         Proportion::new(successes, self.figures().count() as u64)
     }
 
-    /// Returns the first optimal episodes of the trials that have one.
-    pub fn first_episodes(&self) -> Vec<f64> {
+    /// Returns the first optimal episodes of the trials that have one, in ascending order.
+    pub fn first_episodes(&self) -> Vec<u32> {
         let firsts = self
             .figures()
             .filter_map(|one| one.progress.first_optimal_episode);
-        firsts.map(f64::from).collect()
+        let mut firsts: Vec<u32> = firsts.collect();
+        firsts.sort_unstable();
+        firsts
     }
 
-    /// Returns the episodes until the policy was optimal. Trials that were never optimal are
-    /// censored at their end.
-    pub fn lifetimes(&self) -> Vec<Lifetime> {
-        let lifetime = |one: Figures| {
-            let first = one.progress.first_optimal_episode;
-            Lifetime {
-                time: first.unwrap_or(self.episodes),
-                happened: first.is_some(),
-            }
-        };
-        self.figures().map(lifetime).collect()
+    /// Returns the share of trials that had found an optimal policy, with Wilson's interval, from
+    /// each of these episodes on.
+    pub fn solved_by_episode(&self) -> Vec<(u32, Interval)> {
+        let firsts = self.first_episodes();
+        let trials = self.successes().trials;
+        let solved = |count: usize| Proportion::new(count as u64, trials).wilson();
+        let mut steps = vec![(0, solved(0))];
+        let counts = 1..=firsts.len();
+        let ends = counts.filter(|&count| firsts.get(count) != Some(&firsts[count - 1]));
+        steps.extend(ends.map(|count| (firsts[count - 1], solved(count))));
+        steps
+    }
+
+    /// Returns the first episode by which all trials but `percent` % were optimal.
+    fn episode_when_left(&self, percent: usize) -> Option<u32> {
+        let trials = self.figures().count();
+        let needed = trials - trials * percent / 100;
+        let firsts = self.first_episodes();
+        firsts.get(needed.checked_sub(1)?).copied()
     }
 
     /// Pairs the trials of two arms with the same seeds, and counts the pairs by the result of
@@ -205,7 +213,7 @@ pub struct ArmSummary {
     pub wilson_low: f64,
     /// Upper 95 % limit of their share (Wilson).
     pub wilson_high: f64,
-    /// The first episode by which half of all trials were optimal (Kaplan-Meier); `null` when
+    /// The first episode by which half of all trials were optimal; `null` when
     /// fewer ever were.
     pub median_episode: Option<u32>,
     /// The first episode by which 95 % of all trials were optimal; `null` when fewer ever were.
@@ -280,7 +288,11 @@ impl ArmSummary {
         let arm = records.arm;
         let successes = records.successes();
         let wilson = successes.wilson().rounded();
-        let survival = Survival::new(&records.lifetimes());
+        let firsts: Vec<f64> = records
+            .first_episodes()
+            .into_iter()
+            .map(f64::from)
+            .collect();
         let iqm = records.iqm_env_steps(seed).map(Interval::rounded);
         let compacted = records.compacted_rules();
         let always = records.driven_always();
@@ -298,9 +310,9 @@ impl ArmSummary {
             successes: successes.successes,
             wilson_low: wilson.low,
             wilson_high: wilson.high,
-            median_episode: survival.time_when_left(0.5),
-            p95_episode: survival.time_when_left(0.05),
-            median_episode_of_successes: quantile(&records.first_episodes(), 0.5),
+            median_episode: records.episode_when_left(50),
+            p95_episode: records.episode_when_left(5),
+            median_episode_of_successes: quantile(&firsts, 0.5),
             retained: records.retained(),
             mean_optimal_share_after_first: records.mean_share_after_first(),
             executed_optimal: count(&|one| one.progress.first_executed_optimal_episode.is_some()),

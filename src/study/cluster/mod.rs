@@ -1,7 +1,5 @@
-//! A study on many machines: its tasks, and the cluster engine that runs them.
+//! A study on many machines: its tasks.
 
-mod slurm;
 mod task;
 
-pub use slurm::{Queued, Slurm};
 pub use task::{TaskProgress, TaskState};

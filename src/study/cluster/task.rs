@@ -1,11 +1,9 @@
 //! Tasks of a planned study: running them, and their states.
 
-use super::slurm::Queued;
 use crate::error::{Error, ErrorKind};
 use crate::study::own::Agents;
 use crate::study::runner::{StudyWatcher, run_trials};
-use crate::study::store::plan::ALL_TASKS;
-use crate::study::store::{PlannedStudy, Shard, StudyFolder};
+use crate::study::store::{PlannedStudy, StudyFolder};
 
 /// The trials of a task after an attempt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,14 +21,10 @@ pub struct TaskProgress {
 pub enum TaskState {
     /// All its trials are finished.
     Complete,
-    /// The task is running.
-    Running,
-    /// The task is in the queue.
-    Waiting,
-    /// The task was started, and ended before its last trial.
-    Failed,
+    /// The task was started, and has not ended its last trial: it runs, or was interrupted.
+    Started,
     /// The task was never started.
-    Missing,
+    NotStarted,
 }
 
 impl PlannedStudy {
@@ -46,24 +40,21 @@ impl PlannedStudy {
         watcher: &mut dyn StudyWatcher,
     ) -> Result<TaskProgress, Error> {
         let (folder, count) = (self.path().display(), self.tasks());
-        let fault = || format!("{folder} has no task {task}: give a number from 1 to {count}");
-        let shard = Shard::nth(task, count).ok_or_else(|| ErrorKind::Usage.error(fault()))?;
+        if !(1..=count).contains(&task) {
+            let fault = format!("{folder} has no task {task}: give a number from 1 to {count}");
+            return Err(ErrorKind::Usage.error(fault));
+        }
         self.require_same_program()?;
         let mut folder = StudyFolder::of(self.clone(), Some(task))?;
-        let missing = |folder: &StudyFolder| {
-            let mut missing = folder.missing();
-            missing.retain(|trial| shard.holds(*trial));
-            missing
-        };
-        let before = missing(&folder);
+        let before = folder.missing_of(task);
+        watcher.begins(before.len());
         let agents = Agents::default();
         run_trials(&mut folder, &agents, (task, &before), jobs, watcher)?;
-        let after = missing(&folder).len();
-        let trials = 0..self.protocol().len();
+        let missing = folder.missing_of(task).len();
         Ok(TaskProgress {
-            trials: trials.filter(|trial| shard.holds(*trial)).count(),
-            missing: after,
-            finished: before.len() - after,
+            trials: self.trials_of(task).count(),
+            missing,
+            finished: before.len() - missing,
         })
     }
 
@@ -82,11 +73,11 @@ impl PlannedStudy {
 }
 
 impl StudyFolder {
-    /// Returns the state of each task, counted from 1, given the tasks in the queue.
+    /// Returns the state of each task, counted from 1.
     ///
     /// # Errors
     /// When the folder of the journals cannot be read.
-    pub fn task_states(&self, queue: &[Queued]) -> Result<Vec<(usize, TaskState)>, Error> {
+    pub fn task_states(&self) -> Result<Vec<(usize, TaskState)>, Error> {
         let tasks = self.planned().tasks();
         let (mut missing, mut attempts) = (vec![0; tasks + 1], vec![0; tasks + 1]);
         for trial in self.missing() {
@@ -95,15 +86,10 @@ impl StudyFolder {
         for (task, _) in self.planned().journals()? {
             attempts[task] += 1;
         }
-        let state = |task: usize| {
-            let queued = queue.iter().find(|waiting| waiting.task == task);
-            match (missing[task], queued, attempts[task] + attempts[ALL_TASKS]) {
-                (0, _, _) => TaskState::Complete,
-                (_, Some(Queued { running: true, .. }), _) => TaskState::Running,
-                (_, Some(_), _) => TaskState::Waiting,
-                (_, None, 0) => TaskState::Missing,
-                (_, None, _) => TaskState::Failed,
-            }
+        let state = |task: usize| match (missing[task], attempts[task]) {
+            (0, _) => TaskState::Complete,
+            (_, 0) => TaskState::NotStarted,
+            _ => TaskState::Started,
         };
         Ok((1..=tasks).map(|task| (task, state(task))).collect())
     }

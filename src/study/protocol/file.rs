@@ -62,8 +62,6 @@ pub(super) struct Document {
     #[serde(default)]
     pub variants: Vec<Table>,
     #[serde(default)]
-    pub sample: Option<usize>,
-    #[serde(default)]
     pub without: Vec<String>,
 }
 
@@ -158,9 +156,9 @@ impl StudyFile {
         Ok(Maze::load(&self.folder.join(name))?)
     }
 
-    /// Returns the default settings, overridden by those of the study's robot.
-    pub(super) fn robot_settings(&self) -> Result<Settings, Error> {
-        let defaults = Settings::default();
+    /// Returns the default settings of a method, overridden by those of the study's robot.
+    pub(super) fn robot_settings(&self, method: Method) -> Result<Settings, Error> {
+        let defaults = Settings::of(method);
         let Some(robot) = &self.document.robot else {
             return Ok(defaults);
         };
@@ -243,7 +241,7 @@ fn world_for_study(world: &Path) -> String {
     let world = world.display();
     format!(
         "{world} is a world, not a study: a study file (TOML) names its worlds, as in \
-         `worlds = [\"{world}\"]`; `xcscr study keys` lists its keys"
+         `worlds = [\"{world}\"]`; the page \"Keys of a study file\" lists its keys"
     )
 }
 

@@ -4,7 +4,6 @@ use toml::Table;
 
 use super::file::{Document, NOTHING};
 use super::overrides::Overrides;
-use super::unread::{refuse_duplicates, refuse_unread, run_repeated_trials_once};
 use super::variants::{product, variants, with_entry};
 use super::{Arm, MOST_ARMS, MOST_GENERATED, MOST_WORLDS, Protocol, StudyFile, Variant};
 use crate::agent::Method;
@@ -66,7 +65,6 @@ fn check_number(file: &StudyFile, places: usize) -> Result<(), Error> {
     ];
     let swept = file.sweep()?.into_iter().map(|(_, values)| values.len());
     let swept = swept.fold(1, usize::saturating_mul);
-    let swept = document.sample.map_or(swept, |sample| sample.min(swept));
     let number = fixed
         .into_iter()
         .chain([swept])
@@ -116,13 +114,6 @@ fn arms(
         }
     }
     arms.retain(|arm| arm.after.as_ref() != Some(&arm.world));
-    refuse_unread(file, overrides, &variants, &arms)?;
-    arms.retain(|arm| !arm.leaves_out_missing_part());
-    // A sample is drawn for all methods together: one method may ignore what another reads.
-    if file.document.sample.is_none() {
-        run_repeated_trials_once(&mut arms);
-        refuse_duplicates(&file.origin, &arms)?;
-    }
     Ok(arms)
 }
 
@@ -156,7 +147,7 @@ fn settings(
     overrides: &Overrides,
 ) -> Result<Settings, Error> {
     let common = override_with(
-        &file.robot_settings()?,
+        &file.robot_settings(method)?,
         &file.origin,
         &file.document.settings,
     )?;

@@ -5,7 +5,6 @@ mod freeze;
 mod keys;
 mod overrides;
 mod shipped;
-mod unread;
 mod variants;
 
 use std::collections::BTreeMap;
@@ -18,7 +17,6 @@ pub(super) use file::NOTHING;
 pub use file::StudyFile;
 pub use keys::StudyKey;
 pub use overrides::Overrides;
-pub(super) use unread::refuse_duplicates;
 
 use super::error;
 use crate::agent::Method;
@@ -27,7 +25,6 @@ use crate::error::Error;
 use crate::sensor::Sensor;
 use crate::trial::{Config, Plan, Settings};
 use crate::world::Maze;
-use crate::world::bundled_world;
 use xcs::bounds::{OutOfRange, within};
 use xcs::random::replicate_seed;
 
@@ -212,13 +209,6 @@ impl Protocol {
     /// comparisons are paired.
     pub fn trial_seed(&self, trial: usize) -> u64 {
         replicate_seed(self.seed, self.replicate(trial) as u64)
-    }
-
-    /// Returns true if the world of this name is the shipped one.
-    pub(super) fn has_shipped(&self, name: &str) -> bool {
-        let shipped = bundled_world(name);
-        let shipped = shipped.and_then(|text| Maze::from_json(text.as_bytes(), name).ok());
-        shipped.is_some() && shipped.as_ref() == named(&self.worlds, name)
     }
 
     /// Returns the world of a trial.

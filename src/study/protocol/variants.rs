@@ -1,6 +1,4 @@
-//! The variants of a study: every combination of the swept settings, or a random sample.
-
-use std::collections::BTreeSet;
+//! The variants of a study: every combination of the swept settings.
 
 use toml::{Table, Value};
 
@@ -9,13 +7,6 @@ use super::overrides::Overrides;
 use super::{StudyFile, Variant};
 use crate::error::Error;
 use crate::trial::{flatten, value_of};
-use xcs::random::Stream;
-
-/// The seed of [`drawn_combinations`]. It does not depend on the seed of the study, so that a
-/// repetition with another seed uses the same settings.
-const DRAW_SEED: u64 = 1;
-/// The random stream. Trials use theirs with other seeds.
-const DRAW_STREAM: u64 = 8;
 
 /// Swept settings and their values.
 type Sweep = [(String, Vec<Value>)];
@@ -30,11 +21,7 @@ pub(super) fn variants(file: &StudyFile, overrides: &Overrides) -> Result<Vec<Va
     for (key, _) in &sweep {
         refuse_set(file, overrides, key)?;
     }
-    let swept = match file.document.sample {
-        None => every_combination(&sweep),
-        Some(sample) => drawn_combinations(&sweep, sample),
-    };
-    let variants = with_listed(file, overrides, swept)?;
+    let variants = with_listed(file, overrides, every_combination(&sweep))?;
     let switches = &file.document.without;
     if switches.is_empty() {
         return Ok(variants);
@@ -105,29 +92,6 @@ fn with_listed(
     Ok(all)
 }
 
-/// Draws `sample` different combinations, each with the same probability. Returns all combinations
-/// if there are no more than `sample`.
-fn drawn_combinations(sweep: &Sweep, sample: usize) -> Vec<Variation> {
-    let sizes = sweep.iter().map(|(_, values)| values.len());
-    if sizes.fold(1, usize::saturating_mul) <= sample {
-        return every_combination(sweep);
-    }
-    let mut stream = Stream::new(DRAW_SEED, DRAW_STREAM);
-    let (mut seen, mut drawn) = (BTreeSet::new(), Vec::new());
-    while drawn.len() < sample {
-        let choice: Vec<usize> = sweep.iter().map(|(_, v)| stream.below(v.len())).collect();
-        if seen.insert(choice.clone()) {
-            let nothing = (Table::new(), Variant::default());
-            let chosen = sweep.iter().zip(choice);
-            let add = |variant, ((key, values), at): (&(String, Vec<Value>), usize)| {
-                varied(&variant, key, &values[at])
-            };
-            drawn.push(chosen.fold(nothing, add));
-        }
-    }
-    drawn
-}
-
 /// Rejects a varied setting that is also set on the command line.
 fn refuse_set(file: &StudyFile, overrides: &Overrides, key: &str) -> Result<(), Error> {
     let is_same = |set: &String| set.split('=').next().is_some_and(|k| k.trim() == key);
@@ -167,40 +131,4 @@ pub(super) fn with_entry(variant: &Variant, name: &str, value: &str) -> Variant 
     let mut variant = variant.clone();
     variant.0.insert(name.to_owned(), value.into());
     variant
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn sweep(values: usize) -> Vec<(String, Vec<Value>)> {
-        let list = (0..values).map(|value| Value::Integer(value as i64));
-        let list: Vec<Value> = list.collect();
-        ["a", "b", "c"]
-            .map(|key| (key.to_owned(), list.clone()))
-            .to_vec()
-    }
-
-    #[test]
-    fn a_sample_holds_different_combinations_and_is_the_same_every_time() {
-        let drawn = drawn_combinations(&sweep(10), 50);
-        let texts: BTreeSet<String> = drawn.iter().map(|(_, v)| v.to_string()).collect();
-        assert_eq!(texts.len(), 50, "all differ");
-        assert_eq!(drawn, drawn_combinations(&sweep(10), 50));
-        for value in 0..10 {
-            let word = format!("a={value} ");
-            assert!(
-                texts.iter().any(|text| text.contains(&word)),
-                "{word} is never drawn"
-            );
-        }
-    }
-
-    #[test]
-    fn a_sample_larger_than_the_sweep_is_every_combination() {
-        assert_eq!(
-            drawn_combinations(&sweep(2), 9),
-            every_combination(&sweep(2))
-        );
-    }
 }

@@ -2,14 +2,13 @@
 
 use serde::Serialize;
 
-use super::ablation;
 use super::results::shown;
 use crate::agent::Method;
 use crate::page::Table;
 use crate::study::analysis::summary::{ArmRecords, by_steps, by_success};
 use crate::study::protocol::{Arm, NOTHING};
 use crate::study::statistics::{
-    Interval, detectable_difference, detectable_share, holm, log_rank, rounded, trials_needed,
+    Interval, detectable_difference, detectable_share, holm, rounded, trials_needed,
 };
 
 /// The accepted probability of a type I error.
@@ -32,8 +31,6 @@ pub struct Comparison {
     pub mcnemar_p: f64,
     /// `mcnemar_p` after Holm's correction over all worlds and methods that are compared.
     pub holm_p: f64,
-    /// The log-rank p that both reach their first optimum equally soon, in episodes.
-    pub log_rank_p: f64,
     /// Number of pairs in which the first needed fewer steps to its first optimum. The trials of a
     /// pair have the same seed. A trial without an optimum counts as later than any with one.
     pub sooner: u64,
@@ -46,7 +43,7 @@ pub struct Comparison {
     pub trials_needed: Option<u64>,
 }
 
-/// Maximum number of swept combinations to compare. More are a search, of which the best are shown.
+/// Maximum number of swept combinations to compare. More are a search.
 const MOST_VALUES: usize = 24;
 
 /// Maximum number of comparisons to list one by one.
@@ -111,7 +108,6 @@ impl Comparison {
             difference: successes.difference().rounded(),
             mcnemar_p: successes.p(),
             holm_p: 1.0,
-            log_rank_p: rounded(log_rank(&a.lifetimes(), &b.lifetimes())),
             sooner: steps.better,
             later: steps.worse,
             steps_holm_p: steps.p(),
@@ -199,14 +195,17 @@ fn pairs_without<'a>(arms: &'a [ArmRecords<'a>], key: &str) -> Vec<Pair<'a>> {
 /// together are a family. Returns none where only switches are swept, which have their own tests,
 /// and none for large searches.
 fn pairs_of_values<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
-    let switches = ablation::switches(arms);
+    let switches = switches(arms);
     let of_values = |arm: &Arm| {
         let mut keys = arm.variant.0.keys();
         let is_other =
             |key: &String| switches.contains(key) || AGAINST_NOTHING.contains(&key.as_str());
         keys.any(|key| !is_other(key))
     };
-    let place = |arm: &Arm| (ablation::place(arm), arm.after.clone());
+    let place = |arm: &Arm| {
+        let (world, method) = (arm.world.clone(), arm.method_name().to_owned());
+        (world, method, arm.arena, arm.sensor, arm.after.clone())
+    };
     let pair = |one: &'a ArmRecords<'a>| {
         let mut same_place = arms
             .iter()
@@ -229,6 +228,20 @@ fn pairs_of_values<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     arms.iter()
         .filter(|one| of_values(one.arm))
         .filter_map(pair)
+        .collect()
+}
+
+/// Returns the varied settings that take both true and false in a study, and no other value.
+fn switches(arms: &[ArmRecords<'_>]) -> Vec<String> {
+    let Some(first) = arms.first() else {
+        return Vec::new();
+    };
+    let state = |one: &ArmRecords<'_>, key: &str| one.arm.variant.0.get(key)?.as_bool();
+    let takes = |key: &str, value: bool| arms.iter().any(|one| state(one, key) == Some(value));
+    let always = |key: &str| arms.iter().all(|one| state(one, key).is_some());
+    let keys = first.arm.variant.0.keys();
+    keys.filter(|key| always(key) && takes(key, true) && takes(key, false))
+        .cloned()
         .collect()
 }
 
@@ -273,7 +286,6 @@ pub fn table(comparisons: &[Comparison], letters: &[(String, String)]) -> Table 
             ("95 % interval", &|one| points_range(one.difference)),
             ("McNemar p", &|one| p_value(one.mcnemar_p)),
             ("Holm p", &|one| p_value(one.holm_p)),
-            ("log-rank p", &|one| p_value(one.log_rank_p)),
             ("sooner, later", &|one| {
                 format!("{}, {}", one.sooner, one.later)
             }),
@@ -295,8 +307,7 @@ pub fn table(comparisons: &[Comparison], letters: &[(String, String)]) -> Table 
 
 /// The description of the columns.
 pub const LEGEND: &str = "Trials with the same seed are pairs. points: how much larger the share of \
-    optimal trials is, with McNemar's exact p. log-rank p: that both find the first optimum equally \
-    soon, in episodes. sooner, later: the number of pairs in which the first needed fewer or more \
+    optimal trials is, with McNemar's exact p. sooner, later: the number of pairs in which the first needed fewer or more \
     environment steps to its first optimum (a trial without one counts as later than any with one), \
     with the p of the sign test. Holm: corrected over all worlds and methods (or parts left out, or combinations of a sweep) of one setting. \
     trials needed: trials of each to distinguish such shares with a power of 80 %, without pairs.";

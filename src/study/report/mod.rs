@@ -1,22 +1,15 @@
 //! The report of a study, in words, tables and figures.
 
-pub(super) mod ablation;
 mod comparisons;
 mod figures;
-mod nearest;
-mod paper;
-mod question;
 mod results;
 mod settings;
 
 use serde::Serialize;
 
-use ablation::SwitchEffect;
 use comparisons::Comparison;
-use nearest::Nearness;
-use paper::AgainstPaper;
 
-use crate::page::{self, Block, Picture, Table};
+use crate::page::{self, Block, Picture};
 
 use super::analysis::summary::{ArmRecords, ArmSummary};
 use super::protocol::Protocol;
@@ -24,8 +17,8 @@ use super::report::figures::draw_figures;
 use super::store::StudyFolder;
 use crate::error::Error;
 
-/// The report of a study. As JSON, it contains all figures: the results per arm, the comparison
-/// with the paper, the comparisons of methods, and the contribution of each switch.
+/// The report of a study. As JSON, it contains all figures: the results per arm, and the
+/// comparisons of methods.
 #[derive(Debug, Clone, Serialize)]
 pub struct Report {
     study: String,
@@ -39,14 +32,8 @@ pub struct Report {
     missing: usize,
     /// The results per arm.
     arms: Vec<ArmSummary>,
-    /// The comparison with the paper's numbers.
-    against_paper: Vec<AgainstPaper>,
-    /// Swept settings, the nearest to the paper's numbers first.
-    nearest: Vec<Nearness>,
     /// The comparisons of methods.
     comparisons: Vec<Comparison>,
-    /// The contribution of each switch.
-    switches: Vec<SwitchEffect>,
     #[serde(skip)]
     protocol: Protocol,
     #[serde(skip)]
@@ -76,10 +63,7 @@ impl Report {
             episodes: protocol.episodes,
             missing,
             arms: ArmSummary::all(folder),
-            against_paper: AgainstPaper::all(&tested, protocol),
-            nearest: Nearness::all(&tested, protocol),
             comparisons: Comparison::all(&tested),
-            switches: SwitchEffect::all(&tested),
             protocol: protocol.clone(),
             pictures: Vec::new(),
         }
@@ -90,7 +74,7 @@ impl Report {
     /// # Errors
     /// When a figure cannot be drawn, or a file cannot be written.
     pub fn write(&mut self, folder: &StudyFolder) -> Result<(), Error> {
-        self.pictures = draw_figures(folder, &self.arms)?;
+        self.pictures = draw_figures(folder)?;
         folder.write("report.md", self.markdown().as_bytes())?;
         folder.write("report.html", self.html().as_bytes())
     }
@@ -121,12 +105,9 @@ impl Report {
         let results = results::table(arms, &self.arms);
         let legend = results::legend(&results);
         let mut blocks = vec![
-            Block::Heading("Question".to_owned()),
-            Block::Text(question::question(arms)),
             Block::Heading("Setup".to_owned()),
             Block::Text(self.introduction()),
         ];
-        blocks.extend(settings::readings(&self.protocol).map(Block::Table));
         blocks.extend([Block::Heading("Table".to_owned()), Block::Table(results)]);
         blocks.extend(results::letters_legend(&results::letters(arms)).map(Block::Text));
         blocks.push(Block::Text(legend));
@@ -172,46 +153,18 @@ impl Report {
         )
     }
 
-    /// Returns the tables of tests, and what they decide.
+    /// Returns the table of tests, and what they decide.
     fn tests(&self) -> Vec<Block> {
-        let mut tests = Vec::new();
-        let mut add = |heading: &str, tables: &[Table], texts: &[String]| {
-            tests.push(Block::Subheading(heading.to_owned()));
-            tests.extend(tables.iter().cloned().map(Block::Table));
-            tests.extend(texts.iter().cloned().map(Block::Text));
-        };
-        let Self {
-            against_paper,
-            nearest,
-            comparisons,
-            switches,
-            ..
-        } = self;
-        if !against_paper.is_empty() {
-            let verdict = paper::verdict(against_paper);
-            let table = paper::table(against_paper);
-            add("Comparison with the paper", &[table], &[verdict]);
+        if self.comparisons.is_empty() {
+            return Vec::new();
         }
-        // A study of one method, such as an ablation, has another purpose.
-        if nearest.len() > 1 && nearest[0].numbers.len() > 1 {
-            let tables = [nearest::table(nearest), nearest::effects(nearest)];
-            let legend = nearest::legend(nearest);
-            add("Settings nearest to the paper", &tables, &[legend]);
-        }
-        if !comparisons.is_empty() {
-            let letters = results::letters(&self.protocol.arms);
-            let table = comparisons::table(comparisons, &letters);
-            let texts = [
-                comparisons::LEGEND.to_owned(),
-                comparisons::decided(comparisons),
-            ];
-            add("Pairwise comparisons", &[table], &texts);
-        }
-        if !switches.is_empty() {
-            let (table, verdict) = (ablation::table(switches), ablation::verdict(switches));
-            add("Contribution of each switch", &[table], &[verdict]);
-        }
-        tests
+        let letters = results::letters(&self.protocol.arms);
+        vec![
+            Block::Subheading("Pairwise comparisons".to_owned()),
+            Block::Table(comparisons::table(&self.comparisons, &letters)),
+            Block::Text(comparisons::LEGEND.to_owned()),
+            Block::Text(comparisons::decided(&self.comparisons)),
+        ]
     }
 
     /// Describes what the data leave open.
@@ -220,9 +173,6 @@ impl Report {
         limits.extend(comparisons::undecided(&self.comparisons));
         if !self.comparisons.is_empty() {
             limits.push(comparisons::power(self.trials));
-        }
-        if !self.against_paper.is_empty() {
-            limits.push(paper::limits(&self.against_paper));
         }
         limits
     }

@@ -1,13 +1,10 @@
 //! The non-default settings of a study.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use toml::{Table, Value};
 
 use super::distinct;
-use super::paper::{PAPER, Reading};
-use crate::agent::Method;
-use crate::page;
 use crate::study::protocol::{Arm, Protocol};
 use crate::trial::{FROM_MAZE, STEP_THRESHOLD, Settings, flatten};
 
@@ -73,39 +70,6 @@ fn scope(arms: &[Arm], holds: &[bool]) -> String {
     format!("for {}", Vec::from_iter(places).join(", "))
 }
 
-/// Returns a table of the selected readings, or `None` if no method of the paper took part.
-pub fn readings(protocol: &Protocol) -> Option<page::Table> {
-    let arms = protocol.arms.iter().enumerate();
-    let arms = arms.filter(|(_, arm)| arm.built_in().is_some_and(Method::is_of_paper));
-    let settled = arms.map(|(number, _)| protocol.plan(number * protocol.trials).settled());
-    let all: Vec<_> = settled.map(|plan| values(&plan.config.settings)).collect();
-    let defaults = values(&Settings::default());
-    let here = |reading: &&Reading| {
-        let here = all.iter().map(|one| shown(one, &reading.setting));
-        Vec::from_iter(here.collect::<BTreeSet<_>>()).join(", ")
-    };
-    let table = page::Table::of(
-        &PAPER.readings,
-        &[
-            ("ambiguous passage of the paper", &|one| one.passage.clone()),
-            ("setting", &|one| one.setting.clone()),
-            ("here", &here),
-            ("default", &|one| shown(&defaults, &one.setting)),
-        ],
-    );
-    (!all.is_empty()).then_some(table)
-}
-
-fn values(settings: &Settings) -> BTreeMap<String, Value> {
-    let table = Table::try_from(settings).expect("settings are plain data");
-    flatten(table).into_iter().collect()
-}
-
-fn shown(values: &BTreeMap<String, Value>, key: &str) -> String {
-    let text = values.get(key).map(Value::to_string).unwrap_or_default();
-    text.trim_matches('"').to_owned()
-}
-
 /// Returns the settings of an arm that are neither defaults nor swept, with those set by its maze.
 fn changed(protocol: &Protocol, number: usize) -> Vec<String> {
     let arm = &protocol.arms[number];
@@ -117,7 +81,7 @@ fn changed(protocol: &Protocol, number: usize) -> Vec<String> {
     let settled = protocol.plan(number * protocol.trials);
     let pairs = table(&settled.config.settings)
         .into_iter()
-        .zip(table(&Settings::default()));
+        .zip(table(&Settings::of(arm.method)));
     // The value of the step-threshold is printed with its origin.
     let is_listed = |key: &str| !is_varied(key) && key != FROM_MAZE;
     let origin = |key: &str, default| match settled.config.settings.reward.step_threshold_from_maze
@@ -140,7 +104,7 @@ mod tests {
 
     fn said(text: &str) -> String {
         let text = format!(
-            "name = \"s\"\nworlds = [\"maze4\", \"maze5\"]\nmethods = [\"xcs\", \"xcscr\"]\ntrials = 1\nepisodes = 1\n{text}"
+            "name = \"s\"\nworlds = [\"maze4\", \"maze5\"]\nmethods = [\"xcs\", \"adapted-even\"]\ntrials = 1\nepisodes = 1\n{text}"
         );
         sentences(&frozen(&text, &[]).unwrap())
     }
@@ -154,14 +118,6 @@ mod tests {
         let told = sentences(&frozen(text, &[]).unwrap());
         let words = "in dfs-12-1: `reward.step_threshold` = 176 (from the maze)";
         assert!(told.contains(words), "{told}");
-    }
-
-    #[test]
-    fn every_reading_of_the_paper_is_a_setting() {
-        let defaults = values(&Settings::default());
-        for Reading { setting, .. } in &PAPER.readings {
-            assert!(defaults.contains_key(setting), "no setting `{setting}`");
-        }
     }
 
     #[test]

@@ -3,18 +3,16 @@
 //! All functions are deterministic. Resampling takes a random stream as an argument.
 
 mod bootstrap;
-mod fisher;
+mod holm;
 mod iqm;
 mod paired;
 mod proportion;
-mod survival;
 
 pub use bootstrap::bootstrap_interval;
-pub use fisher::{fisher_exact, holm};
+pub use holm::holm;
 pub use iqm::{iqm, quantile};
 pub use paired::{Pairs, detectable_share};
 pub use proportion::{Proportion, detectable_difference, trials_needed};
-pub use survival::{Lifetime, Point, Survival, log_rank};
 
 /// The normal deviate with 2.5 % on either side.
 const Z_95: f64 = 1.959_963_984_540_054;

@@ -1,11 +1,11 @@
 //! The folder of a study: its plan, and its finished trials.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::journal;
 use super::outputs::is_output;
-use super::plan::{ALL_TASKS, PLAN, PlannedStudy};
+use super::plan::{PLAN, PlannedStudy};
 use super::record::{TrialRecord, trial};
 use super::records::Records;
 use crate::disk;
@@ -51,7 +51,7 @@ impl StudyFolder {
             _lock: None,
         };
         for (other, path) in folder.planned.journals()? {
-            if task.is_none_or(|task| [ALL_TASKS, task].contains(&other)) {
+            if task.is_none_or(|task| task == other) {
                 folder.read_journal(&path)?;
             }
         }
@@ -127,48 +127,22 @@ impl StudyFolder {
         PlannedStudy::new(path, protocol.clone(), 1)?.write(true)
     }
 
-    /// Reads folders of one study, in any order, as one study in memory.
+    /// Copies the trials of a study, which must be complete, into the folder `out`, as one task.
     ///
     /// # Errors
-    /// When their plans differ or they disagree about a trial, or when a
-    /// folder cannot be read.
-    pub fn join(paths: &[PathBuf]) -> Result<Self, Error> {
-        let mut folders = paths.iter().map(|path| Self::read(path));
-        let nothing = || Err(ErrorKind::Missing.error("there is no folder to read"));
-        let mut joined = folders.next().unwrap_or_else(nothing)?;
-        for folder in folders {
-            let folder = folder?;
-            if folder.plan() != joined.plan() {
-                let [a, b] = [&joined, &folder].map(|one| one.path().display());
-                return Err(ErrorKind::BadData.error(format!(
-                    "{a} and {b} contain different studies (plans {} and {})",
-                    joined.plan(),
-                    folder.plan()
-                )));
-            }
-            for record in folder.records() {
-                joined.insert(folder.path(), &record)?;
-            }
-        }
-        Ok(joined)
-    }
-
-    /// Merges folders of one study, which must be complete together, into the folder `out`.
-    ///
-    /// # Errors
-    /// [`ErrorKind::Refuted`] when trials are missing, or the errors of [`Self::join`] and [`Self::read_locked`].
-    pub fn merge(folders: &[PathBuf], out: &Path) -> Result<Self, Error> {
-        let joined = Self::join(folders)?;
-        joined.require_complete()?;
-        let mut merged = Self::open(out, joined.protocol())?;
+    /// [`ErrorKind::Refuted`] when trials are missing, or the errors of [`Self::read_locked`].
+    pub fn merge(path: &Path, out: &Path) -> Result<Self, Error> {
+        let split = Self::read(path)?;
+        split.require_complete()?;
+        let mut merged = Self::open(out, split.protocol())?;
         let missing = merged.missing();
-        for record in joined.records() {
+        for record in split.records() {
             merged.insert(out, &record)?;
         }
         if !missing.is_empty() {
-            let mut journal = merged.planned.begin(ALL_TASKS)?;
+            let mut journal = merged.planned.begin(1)?;
             for some in missing.chunks(MOST_AT_ONCE) {
-                let records = some.iter().filter_map(|trial| joined.records.get(*trial));
+                let records = some.iter().filter_map(|trial| split.records.get(*trial));
                 journal.write(&records.collect::<Vec<_>>())?;
             }
             journal.sync()?;
@@ -213,6 +187,14 @@ impl StudyFolder {
     pub fn missing(&self) -> Vec<usize> {
         let trials = 0..self.protocol().len();
         trials.filter(|trial| !self.records.holds(*trial)).collect()
+    }
+
+    /// Returns the trials of a task that are not finished, in order.
+    pub(in crate::study) fn missing_of(&self, task: usize) -> Vec<usize> {
+        let missing = self.planned.trials_of(task);
+        missing
+            .filter(|trial| !self.records.holds(*trial))
+            .collect()
     }
 
     /// Returns the failed trials, in order.

@@ -12,11 +12,9 @@ pub(super) mod outputs;
 pub(super) mod plan;
 pub(super) mod record;
 mod records;
-mod shard;
 
 pub use folder::StudyFolder;
 pub(super) use journal::Journal;
 pub use plan::PlannedStudy;
 pub use record::{Driven, Figures, TrialRecord};
 pub(super) use records::Records;
-pub use shard::Shard;

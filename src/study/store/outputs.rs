@@ -22,14 +22,7 @@ const DOCUMENTS: [&str; 6] = [
     "report.html",
 ];
 /// The figures, each as SVG and PNG.
-const FIGURES: [&str; 6] = [
-    "first-optimal",
-    "curves",
-    "episodes",
-    "steps",
-    "heat",
-    "ablation",
-];
+const FIGURES: [&str; 2] = ["curves", "episodes"];
 
 /// Returns true if a study generates a file of this name.
 pub fn is_output(name: &str) -> bool {

@@ -17,16 +17,12 @@ use xcs::bounds::within;
 
 /// The file of the plan.
 pub const PLAN: &str = "study.json";
-/// The result of a search for settings.
-pub const SEARCH: &str = "search.json";
 /// The folder of the journals.
 const JOURNALS: &str = "journals";
 /// The default folder of the merged study.
 const RESULT: &str = "result";
 /// More tasks than any cluster engine accepts at once.
 const MOST_TASKS: usize = 100_000;
-/// Stands for all tasks in the name of a journal.
-pub const ALL_TASKS: usize = 0;
 
 /// The contents of `study.json`.
 #[derive(Serialize, Deserialize)]
@@ -185,12 +181,17 @@ impl PlannedStudy {
         self.tasks
     }
 
+    /// Returns the trials of a task, counted from 1.
+    pub(in crate::study) fn trials_of(&self, task: usize) -> impl Iterator<Item = usize> {
+        (task - 1..self.protocol.len()).step_by(self.tasks)
+    }
+
     /// Returns the default folder of the merged study.
     pub fn result(&self) -> PathBuf {
         self.path.join(RESULT)
     }
 
-    /// Starts a new journal for trials of a task, or of [`ALL_TASKS`].
+    /// Starts a new journal for trials of a task.
     pub(in crate::study) fn begin(&self, task: usize) -> Result<Journal, Error> {
         Journal::begin(&self.path.join(JOURNALS), task, &self.plan)
     }
@@ -205,7 +206,7 @@ impl PlannedStudy {
             // Ignore other files, such as those of a network file system.
             let task = name.to_str().and_then(|name| name.split_once('-'));
             match task.map(|(task, _)| task.parse()) {
-                Some(Ok(task)) if (ALL_TASKS..=self.tasks).contains(&task) => {
+                Some(Ok(task)) if (1..=self.tasks).contains(&task) => {
                     found.push((task, folder.join(name)));
                 }
                 _ => {}
@@ -237,12 +238,16 @@ fn require_own(path: &Path) -> Result<(), Error> {
     // List the names first: another process may be creating the same plan, and more files after it.
     match names(path)?.iter().all(is_early) || PlannedStudy::is_in(path) {
         true => Ok(()),
-        false => Err(foreign(path)),
+        false => Err(ErrorKind::CannotCreate.error(format!(
+            "{} contains files that xcscr did not create; refusing to change it: choose another \
+             folder with `--out`",
+            path.display()
+        ))),
     }
 }
 
 /// Returns the names of the files in a folder. Empty if the folder does not exist.
-pub fn names(folder: &Path) -> Result<Vec<OsString>, Error> {
+fn names(folder: &Path) -> Result<Vec<OsString>, Error> {
     let names = folder.read_dir().and_then(|entries| {
         let names = entries.map(|entry| Ok(entry?.file_name()));
         names.collect::<io::Result<Vec<_>>>()
@@ -251,18 +256,4 @@ pub fn names(folder: &Path) -> Result<Vec<OsString>, Error> {
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
         names => names.map_err(disk::cannot_create(folder)),
     }
-}
-
-/// Returns the error for a folder with other contents, which it describes.
-pub fn foreign(folder: &Path) -> Error {
-    let kinds = [
-        (PLAN, "a study"),
-        (SEARCH, "a search, created by `xcscr study tune`"),
-    ];
-    let found = kinds.iter().find(|(name, _)| folder.join(name).is_file());
-    ErrorKind::CannotCreate.error(format!(
-        "{} contains {}; refusing to change it: choose another folder with `--out`",
-        folder.display(),
-        found.map_or("files that xcscr did not create", |(_, what)| what)
-    ))
 }

@@ -4,7 +4,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::MOST_BELIEFS;
 use crate::study::own::Agents;
 use crate::study::protocol::Protocol;
 use crate::trial::{Compacted, Config, Evaluation, GreedySteps, Plan, Progress, Trial};
@@ -84,14 +83,10 @@ impl Figures {
         )?;
         self.progress.check(config)?;
         // A table has at most one row per cell and action. A population exceeds its limit only
-        // briefly. The number of beliefs of a plan on maps is bounded.
+        // briefly.
         let cells = usize::from(maze.width()) * usize::from(maze.height());
         let most =
             (cells * maze.action_count()).max(2 * config.settings.xcs.population_size as usize);
-        let most = match config.method.may_draw_maps(&config.settings.plus) {
-            true => most.max(MOST_BELIEFS),
-            false => most,
-        };
         within("rules", self.rules, 0..=most)?;
         let limit = f64::from(config.settings.reward.step_threshold);
         let means = [
@@ -116,6 +111,9 @@ pub struct TrialRecord {
     pub result: Result<Figures, String>,
 }
 
+/// Maximum size of the error of a trial.
+const MOST_ERROR_BYTES: usize = 4096;
+
 impl TrialRecord {
     /// Runs a trial of a study to its end. An error of the trial, even a panic, becomes part of the
     /// record.
@@ -125,6 +123,7 @@ impl TrialRecord {
             figures(&mut finished(trial), protocol.drives)
         }));
         let result = result.unwrap_or_else(|panic| Err(words(&*panic)));
+        let result = result.map_err(shortened);
         Self { trial, result }
     }
 
@@ -199,6 +198,15 @@ fn finished(mut trial: Trial) -> Trial {
     trial
 }
 
+/// Cuts a long error, which may be a custom agent's. A journal has a line for each trial, and its
+/// lines have a limit.
+fn shortened(mut error: String) -> String {
+    let most = MOST_ERROR_BYTES.min(error.len());
+    let end = (0..=most).rfind(|&at| error.is_char_boundary(at));
+    error.truncate(end.unwrap_or(0));
+    error
+}
+
 /// Returns the message of a panic.
 fn words(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
@@ -212,33 +220,12 @@ fn words(panic: &(dyn std::any::Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::agent::{Estimator, Method};
 
     #[test]
-    fn a_plan_on_maps_may_have_more_beliefs_than_a_table_has_pairs() {
-        let world = r######"{ "rows": ["####", "#.G#", "####"] }"######;
-        let maze = Maze::from_json(world.as_bytes(), "short.json").unwrap();
-        let is_accepted = |estimator, rules| {
-            let mut config = Plan::new(maze.clone()).method(Method::RMax).config;
-            config.episodes = 1;
-            config.settings.plus.estimator = estimator;
-            let figures = Figures {
-                progress: Progress {
-                    episodes: 1,
-                    steps: 1,
-                    ..Progress::default()
-                },
-                rules,
-                compacted_rules: None,
-                greedy_steps: None,
-                greedy_ratio: None,
-                driven: None,
-            };
-            figures.check(&maze, &config).is_ok()
-        };
-        let map = Estimator::Auto;
-        assert!(is_accepted(map, MOST_BELIEFS) && !is_accepted(map, MOST_BELIEFS + 1));
-        let percept = Estimator::Percept;
-        assert!(is_accepted(percept, 10) && !is_accepted(percept, MOST_BELIEFS));
+    fn a_long_error_is_cut_between_two_characters() {
+        let text = shortened("ä".repeat(3_000) + "x");
+        assert_eq!(text, "ä".repeat(2_048));
+        assert_eq!(shortened("x".to_owned() + &text).len(), 4_095);
+        assert_eq!(shortened("short".to_owned()), "short");
     }
 }

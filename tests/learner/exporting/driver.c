@@ -8,10 +8,6 @@
  *     v X Y COSINE SINE       moves the robot
  *     a COSINE SINE RANGE     adds a beam; the range is infinite if nothing came back
  *     q                       the percept after the scan
- *     r                       begins an episode
- *     t PERCEPT BUMPED FOUND  the action and the likeliest state
- *     o ACTION                another action is executed
- *     s                       the sizes of the constants and of a tracker in bytes
  */
 #include "policy.h"
 #include <inttypes.h>
@@ -59,12 +55,7 @@ int main(int count, char **arguments)
 #if defined(XCSCR_SCAN_REACH)
     static struct xcscr_scan scan;
 #endif
-#if defined(XCSCR_STATES)
-    static struct xcscr_tracker tracker;
-    int action;
-#else
     int word;
-#endif
     if (count != 2) {
         return 1;
     }
@@ -100,29 +91,12 @@ int main(int count, char **arguments)
             show(percept);
             break;
 #endif
-#if defined(XCSCR_STATES)
-        case 'r':
-            xcscr_reset(&tracker);
-            break;
-        case 't':
-            action = xcscr_perceive(&tracker, (uint16_t)n[0], (int)n[1], (int)n[2]);
-            printf("%d %u\n", action, (unsigned)xcscr_likeliest(&tracker));
-            fflush(stdout);
-            break;
-        case 'o':
-            tracker.action = (int8_t)n[0];
-            break;
-        case 's':
-            printf("%d %d\n", (int)sizeof xcscr_states, (int)sizeof tracker);
-            break;
-#else
         case 'd':
             for (word = 0; word < XCSCR_WORDS; word++) {
                 percept[word] = (xcscr_word)(n[0] >> word * XCSCR_WORD_BITS);
             }
             printf("%d\n", xcscr_decide(percept));
             break;
-#endif
         default:
             return 1;
         }

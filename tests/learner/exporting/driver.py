@@ -8,7 +8,7 @@ import policy
 
 cells = sys.argv[1]
 states = {"#": policy.WALL, "G": policy.GOAL}
-scan = tracker = None
+scan = None
 
 
 def look_up(column, row):
@@ -46,14 +46,6 @@ for line in sys.stdin:
     elif command == "w":
         ranges = [sine, *ranges]
         show(policy.percept_from_scan(x, y, cosine, ranges, 0.0, 2.0 * math.pi / len(ranges)))
-    elif command == "r":
-        tracker = policy.Tracker()
-    elif command == "t":
-        action = tracker.perceive(n[0], n[1], n[2])
-        likeliest = tracker.likeliest()
-        print(-1 if action is None else action, 65535 if likeliest is None else likeliest, flush=True)
-    elif command == "o":
-        tracker.action = n[0]
     else:
         action = policy.decide("".join(str(n[0] >> at & 1) for at in range(len(policy.BITS))))
         print(-1 if action is None else action)

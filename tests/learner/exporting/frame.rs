@@ -5,7 +5,7 @@ use std::fs;
 use std::process::Command;
 
 use nalgebra::{Point2, Rotation2};
-use xcscr::agent::{Knowledge, Method};
+use xcscr::agent::Knowledge;
 use xcscr::arena::ArenaKind;
 use xcscr::export::{Policy, Provenance, Target};
 use xcscr::sensor::Sensor;
@@ -14,9 +14,7 @@ use xcscr::world::{Cell, Maze};
 use xcscr::xcs::random::Stream;
 
 use super::program::{LANGUAGES, Program, Questions, compile_c, fed};
-use super::text;
 use crate::kit::trial::maze;
-use crate::learned::{learned, mapped};
 
 /// One rule that matches every percept of a sensor in a maze: what an export has beside its rules does not
 /// depend on them.
@@ -124,15 +122,6 @@ fn the_percept_from_a_map_is_that_of_every_sensor_in_every_free_cell() {
                 let cells = differing(target, &policy, &maze, sensor);
                 assert_eq!(cells, [], "{world}, {}, {}", sensor.name(), target.name());
             }
-        }
-    }
-    // With a map of its own a policy takes the percept as a number.
-    for sensor in [Sensor::Neighbours, Sensor::Lidar] {
-        let plan = mapped(maze("maze4"), Method::XcscrPlus).sensor(sensor);
-        let learned = learned(plan.episodes(20));
-        for target in LANGUAGES {
-            let cells = differing(target, &text(&learned, target), &learned.plan.maze, sensor);
-            assert_eq!(cells, [], "a map, {}, {}", sensor.name(), target.name());
         }
     }
 }

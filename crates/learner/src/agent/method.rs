@@ -2,14 +2,10 @@
 
 use strum::{IntoStaticStr, VariantArray};
 
-use crate::agent::composed::{Composed, MapLearner, PerceptLearner};
 use crate::agent::credit::{Combined, Standard};
-use crate::agent::estimator::map::Vision;
-use crate::agent::policy::PolicyKind;
+use crate::agent::plus::{RMax, Replay, ReplayParams, WorldModel, XcscrPlus};
 use crate::agent::tabular::{Algorithm, Tabular};
-use crate::agent::{
-    Agent, Estimator, Knowledge, MapParams, Params, PlusParams, Sharing, TabularParams,
-};
+use crate::agent::{Agent, Knowledge, Params, PlusParams, Sharing, TabularParams};
 use xcs::Xcs;
 use xcs::random::Stream;
 use xcscr_robot::streams::StreamName;
@@ -41,8 +37,7 @@ pub enum Method {
     Xcscr,
     /// `xcscr` in which two co-evolving XCS decide what is imprinted.
     XcscrCoevolved,
-    /// A small set of best-action rules, distilled from the decisions of a planner on a learned
-    /// model.
+    /// `xcscr` with a learned model: planned exploration, replay, and guided covering.
     XcscrPlus,
     /// Q-learning in a table.
     QLearning,
@@ -50,7 +45,7 @@ pub enum Method {
     SarsaLambda,
     /// Q-learning that replays remembered transitions.
     DynaQ,
-    /// The learner of `xcscr-plus` without rules: its plan chooses.
+    /// The model of `xcscr-plus` without rules: its plan chooses.
     RMax,
 }
 
@@ -67,8 +62,7 @@ impl Method {
     /// percepts, and several learn tables.
     pub fn of(knowledge: &Knowledge) -> Option<Self> {
         match knowledge {
-            Knowledge::PerceptRules { .. } | Knowledge::MapRules { .. } => Some(Self::XcscrPlus),
-            Knowledge::Planned(_) => Some(Self::RMax),
+            Knowledge::PerceptRules { .. } => Some(Self::XcscrPlus),
             Knowledge::Rules(_) | Knowledge::RulesOverMatchSet(_) | Knowledge::Table(_) => None,
         }
     }
@@ -90,48 +84,28 @@ impl Method {
         }
     }
 
-    /// Returns true if the method may build a map with these settings, and so distinguish cells
-    /// with equal percepts.
-    pub fn may_draw_maps(self, plus: &PlusParams) -> bool {
-        matches!(self, Self::XcscrPlus | Self::RMax) && plus.estimator != Estimator::Percept
-    }
-
     /// Creates an untrained learner for `actions` actions. The first `ring` bits of a percept form
     /// a ring around the robot. `seed` is the trial's root seed.
     pub fn build(self, actions: usize, ring: usize, setup: Setup, seed: u64) -> Box<dyn Agent> {
         let (xcs, reward, plus) = (setup.xcs, setup.reward, setup.plus);
         let stream = |name| Stream::new(seed, name);
-        let learner = || Xcs::new(xcs.clone(), actions, stream(StreamName::Evolution));
-        let combined = |reward| -> Box<dyn Agent> {
-            let imprinting = stream(StreamName::Imprinting);
-            Box::new(Combined::new(learner(), reward, imprinting))
+        let xcs = xcs::Params {
+            // The fewest rules of `xcscr-plus` are selected for the usual action values.
+            value_over_match_set: xcs.value_over_match_set && self != Self::XcscrPlus,
+            ..xcs
         };
-        let composed = |reward: Params, policy| -> Box<dyn Agent> {
-            let vision = if setup.sensed {
-                Vision::Lidar
-            } else {
-                Vision::GroundTruth
-            };
-            let estimator = match plus.estimator {
-                Estimator::Auto if !setup.shows_surroundings => Estimator::Percept,
-                chosen => chosen,
-            };
-            let planning = || (policy, stream(StreamName::Replay));
-            let own = (actions, vision);
-            let map = MapLearner::new(own, xcs.clone(), reward.clone(), setup.map, planning());
-            let rules = xcs::Params {
-                value_over_match_set: false,
-                ..xcs.clone()
-            };
-            let rules = Xcs::new(rules, actions, stream(StreamName::Evolution));
-            let percept = PerceptLearner::new(
-                rules,
-                (ring, setup.layout.clone()),
+        let learner = || Xcs::new(xcs.clone(), actions, stream(StreamName::Evolution));
+        let combined =
+            |reward: Params| Combined::new(learner(), reward, stream(StreamName::Imprinting));
+        let model = |reward: Params| {
+            let numbers = (ring, setup.layout.clone());
+            WorldModel::new(
+                actions,
+                numbers,
                 reward,
-                plus,
-                planning(),
-            );
-            Box::new(Composed::new(estimator, percept, map))
+                plus.clone(),
+                stream(StreamName::Planning),
+            )
         };
         let table = |algorithm| -> Box<dyn Agent> {
             let (reward, own) = (reward.clone(), setup.tabular.clone());
@@ -140,20 +114,30 @@ impl Method {
         match self {
             Self::Xcs => Box::new(Standard::new(learner(), reward)),
             Self::Xcsam => Box::new(Standard::new(learner().with_adaptive_mapping(), reward)),
-            Self::AdaptedEven => combined(reward.adapted(Sharing::Even)),
-            Self::AdaptedDiscounted => combined(reward.adapted(Sharing::Discounted)),
-            Self::Xcscr => combined(reward),
+            Self::AdaptedEven => Box::new(combined(reward.adapted(Sharing::Even))),
+            Self::AdaptedDiscounted => Box::new(combined(reward.adapted(Sharing::Discounted))),
+            Self::Xcscr => Box::new(combined(reward)),
             Self::XcscrCoevolved => {
                 let streams = [
                     StreamName::Experts,
                     StreamName::PolicySelector,
                     StreamName::BehaviourCloner,
                 ];
-                let method = Combined::new(learner(), reward, stream(StreamName::Imprinting));
-                Box::new(method.with_experts(streams.map(stream)))
+                Box::new(combined(reward).with_experts(streams.map(stream)))
             }
-            Self::XcscrPlus => composed(reward, PolicyKind::Rules),
-            Self::RMax => composed(reward, PolicyKind::Plan),
+            Self::XcscrPlus => {
+                let params = ReplayParams {
+                    replays: plus.replay,
+                    covers: plus.guided_covering,
+                    success: reward.goal,
+                    failure: reward.failure,
+                    beta: reward.beta_success,
+                };
+                let replay = Replay::new(params, setup.layout.clone(), stream(StreamName::Replay));
+                let model = model(reward.clone());
+                Box::new(XcscrPlus::new(combined(reward), model, replay))
+            }
+            Self::RMax => Box::new(RMax::new(model(reward.clone()), reward)),
             Self::QLearning => table(Algorithm::QLearning),
             Self::SarsaLambda => table(Algorithm::sarsa_lambda()),
             Self::DynaQ => table(Algorithm::dyna_q(stream(StreamName::Replay))),
@@ -173,13 +157,6 @@ pub struct Setup {
     pub tabular: TabularParams,
     /// Parameters of `xcscr-plus` and `r-max`.
     pub plus: PlusParams,
-    /// Parameters of the maps of `xcscr-plus` and `r-max`.
-    pub map: MapParams,
-    /// True if the percept comes from the robot's sensors, which show neither goals nor hidden
-    /// corners.
-    pub sensed: bool,
-    /// True if the percept begins with the eight cells around the robot and does not contain its position.
-    pub shows_surroundings: bool,
     /// The numbers in a percept.
     pub layout: xcs::Layout,
 }

@@ -1,44 +1,31 @@
 //! Learners. An [`Agent`] chooses actions and learns from their outcomes; [`Method`] names all agents.
 //!
-//! * `credit/`: the XCS family, one mechanism a file, and all reward numbers ([`Params`]).
-//! * `estimator/`: the state is the percept, or a cell of a learned map, tracked by a Bayes filter.
-//! * `model/`: what follows an action. Counted transitions, rules that generalise them, and a POMDP.
-//! * `planner/`: prioritised sweeping over percepts, RTDP-Bel over beliefs, and exploration for both.
-//! * `policy/`: distilled rules, a plan, or random exploration.
-//! * `composed/`: `xcscr-plus` and `r-max`, made of an estimator, a model, a planner and a policy.
+//! * `credit/`: the XCS family, one mechanism of the paper a file, and all reward numbers ([`Params`]).
+//! * `model/`: what follows an action: counted transitions, and rules that generalise them.
+//! * `planner/`: prioritised sweeping over percepts, and planned exploration.
+//! * `plus/`: `xcscr-plus`, which is XCSCR with a model, a planner and replay; and `r-max`, which is the model alone.
 //! * `tabular/`: the baselines with a table.
 //! * `knowledge/`: the form of what was learned, and an agent that only follows it.
 //!
-//! A folder uses only those above it in the order model, estimator, planner, policy, composed.
+//! A folder uses only those above it, and `knowledge`.
 
-mod composed;
+mod choice;
 mod credit;
-pub(crate) mod estimator;
+mod explorer;
 mod knowledge;
 mod method;
-pub(crate) mod model;
-pub(crate) mod planner;
-mod policy;
+mod model;
+mod planner;
+mod plus;
 mod tabular;
 
-pub use composed::{EnvironmentLearner, EnvironmentParams, PlusParams};
+pub use choice::{Choice, Chosen, DecisionSource};
 pub use credit::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
-pub use estimator::Estimator;
-pub use estimator::belief::NEGLIGIBLE_PROBABILITY;
-pub use estimator::map::{
-    BEGUN_ELSEWHERE, CONTEXT_BITS, MISLOCALISED, Map, MapParams, MotionPrior, PERCEPT_BITS,
-};
+pub use explorer::Explorer;
 pub use knowledge::{Frozen, Knowledge, Misfit};
 pub use method::{Method, Setup};
-pub use model::pomdp::GOAL;
-pub use model::power::power;
 pub use model::{CollisionRule, Generalisation, InverseActionRule};
-pub use planner::rtdp_bel::MOST_BELIEFS;
-pub use policy::choice::{Choice, Chosen, DecisionSource};
-pub use policy::contexts::contexts;
-pub(crate) use policy::demands::words as context_words;
-pub use policy::demands::{Demand, Part, demands};
-pub use policy::explorer::Explorer;
+pub use plus::{EnvironmentLearner, EnvironmentParams, PlusParams};
 pub use tabular::TabularParams;
 
 use xcs::{Action, Condition, Percept, PredictionArray};
@@ -58,6 +45,8 @@ pub struct StepCredit {
     /// The condition of the rule of \[A\] with the greatest weight; `None` if no rule advocates the
     /// action.
     pub fired: Option<Condition>,
+    /// The value of the action before and after the short-term filter (Alg. 1); `None` if it did not fire.
+    pub filtered: Option<[f64; 2]>,
 }
 
 /// The credit at the end of an episode.
@@ -105,8 +94,9 @@ pub trait Agent {
         Choice::by(DecisionSource::Rules, action, explores)
     }
 
-    /// Credits the action chosen after the last [`observe`](Self::observe).
-    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit;
+    /// Credits the action chosen after the last [`observe`](Self::observe). `next` is the percept after it; `None` at a
+    /// goal.
+    fn update(&mut self, action: Action, outcome: Outcome, next: Option<&Percept>) -> StepCredit;
 
     /// Ends the episode. `reached_goal` is false after a step limit.
     fn end_episode(&mut self, reached_goal: bool) -> EndCredit;
@@ -124,11 +114,6 @@ pub trait Agent {
     /// if the method cannot use it.
     fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
         let _ = knowledge;
-        false
-    }
-
-    /// Returns true if choices depend on earlier steps of the episode.
-    fn remembers(&self) -> bool {
         false
     }
 

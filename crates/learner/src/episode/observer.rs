@@ -79,6 +79,8 @@ pub struct Episode {
     pub step_threshold: u32,
     /// The learning rate at the end of the episode.
     pub learning_rate: f64,
+    /// Steps after which the short-term filter lowered a value.
+    pub filter_firings: u32,
     /// True if a policy was imprinted at the end.
     pub imprinted: bool,
     /// Macro-classifiers in \[P\], or stored pairs of a tabular method.

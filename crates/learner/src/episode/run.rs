@@ -22,14 +22,16 @@ pub fn run(
     arena.reset(start);
     observer.began(number, &arena.view());
     let mut totals = Totals::default();
+    let mut percept = sensor.perceive(&arena.view());
     let ending = loop {
         let cell = arena.view().cell;
-        let percept = sensor.perceive(&arena.view());
         let values = method.observe(&percept);
         let choice = method.choose(&values, explorer);
         let action = choice.action;
         let outcome = arena.act(action);
-        let credit = method.update(action, outcome);
+        let is_at_goal = outcome == Outcome::ReachedGoal;
+        let next = (!is_at_goal).then(|| sensor.perceive(&arena.view()));
+        let credit = method.update(action, outcome, next.as_ref());
         let view = arena.view();
         let step = totals.steps + 1;
         let step = Step {
@@ -48,8 +50,9 @@ pub fn run(
         };
         totals.add(&step);
         observer.stepped(&step);
-        if outcome == Outcome::ReachedGoal {
-            break Ending::Goal;
+        match next {
+            Some(next) => percept = next,
+            None => break Ending::Goal,
         }
         if totals.steps >= method.step_threshold() {
             break Ending::StepLimit;
@@ -66,6 +69,7 @@ pub fn run(
         reward: totals.reward + end.long_term_reward,
         step_threshold: method.step_threshold(),
         learning_rate: end.learning_rate,
+        filter_firings: totals.filter_firings,
         imprinted: end.imprinted,
         rules: method.rule_count(),
     };
@@ -86,6 +90,7 @@ struct Totals {
     explored: u32,
     chosen: Chosen,
     reward: f64,
+    filter_firings: u32,
 }
 
 impl Totals {
@@ -95,5 +100,6 @@ impl Totals {
         self.explored += u32::from(step.explored);
         self.chosen.count(step.source);
         self.reward += step.credit.short_term_reward;
+        self.filter_firings += u32::from(step.credit.filtered.is_some());
     }
 }

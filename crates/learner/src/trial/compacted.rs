@@ -1,101 +1,85 @@
-//! Learned rules, compacted for a maze.
+//! The fewest rules that keep all decisions in a maze.
 
 use crate::agent::{Frozen, Knowledge};
 use crate::episode::FaultFinder;
-use xcs::{Population, compact};
+use xcs::{Population, fewest_rules};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Maze, Paths};
 
-/// The rules of a learner, compacted for a maze and tested there.
+/// The fewest rules of a learner that keep all its decisions in a maze, tested there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compacted {
-    /// The compacted rules, at most as many as were learned.
+    /// The rules, with the statistics of \[P\].
     pub rules: Population,
-    /// The number of percepts of the maze for which the learner has values.
-    pub percepts: usize,
-    /// The number of these percepts in which the compacted rules choose only actions that the
-    /// learner rates best.
-    pub agreeing: usize,
-    /// True if the compacted policy is globally optimal.
+    /// True if their policy is globally optimal.
     pub optimal: bool,
 }
 
 impl Compacted {
-    /// The maximum number of distinct percepts of a world for compaction; more would take minutes.
+    /// The maximum number of distinct percepts of a world; more would take minutes.
     pub const MOST_PERCEPTS: usize = 4096;
 
-    /// Compacts learned rules. `None` for a table, for rules that depend on more than the percept, and in worlds with
-    /// more than [`MOST_PERCEPTS`](Self::MOST_PERCEPTS) distinct percepts.
+    /// Selects the fewest rules. `None` for a table, and in worlds with more than
+    /// [`MOST_PERCEPTS`](Self::MOST_PERCEPTS) distinct percepts.
     pub fn new(knowledge: &Knowledge, sensor: Sensor, maze: &Maze, paths: &Paths) -> Option<Self> {
         let actions = maze.action_count();
-        if knowledge.remembers() {
-            return None;
-        }
-        let percepts = sensor.at_most_percepts(maze, Self::MOST_PERCEPTS)?;
-        let values = |percept: &_| knowledge.values(percept, actions);
-        let learned = knowledge.rules()?;
-        let compacted = compact(learned, &sensor.layout(maze), &percepts, values);
-        // The learned rules may be fewer, because induced rules vote together.
-        let rules = match compacted.len() > learned.len() {
-            true => learned.clone(),
-            false => compacted,
-        };
-        let compacted = Knowledge::Rules(rules.clone());
-        let known = percepts.iter().filter(|p| values(p).greatest().is_some());
-        let agrees = |percept: &_| {
-            let wanted = values(percept);
-            let chosen = compacted.values(percept, actions);
-            let is_wanted = |action| wanted.best_actions().any(|best| best == action);
-            chosen.greatest().is_some() && chosen.best_actions().all(is_wanted)
-        };
-        let frozen = Frozen::new(compacted.clone(), actions, 1);
+        let mut percepts = sensor.at_most_percepts(maze, Self::MOST_PERCEPTS)?;
+        percepts.retain(|percept| knowledge.decides(percept));
+        let rules = fewest_rules(knowledge.rules()?, &percepts, actions);
+        let frozen = Frozen::new(Knowledge::Rules(rules.clone()), actions, 1);
         let fault = FaultFinder::default().find(&frozen, sensor, maze, paths);
         Some(Self {
-            percepts: known.clone().count(),
-            agreeing: known.filter(|percept| agrees(percept)).count(),
             optimal: fault.is_none(),
             rules,
         })
     }
 }
 
+impl Knowledge {
+    /// Returns the knowledge with only the fewest rules that keep all decisions in a maze: the policy that is shown and
+    /// exported. Knowledge that [`Compacted::new`] does not accept is returned as it is.
+    pub fn with_fewest_rules(&self, sensor: Sensor, maze: &Maze) -> Self {
+        let few = Compacted::new(self, sensor, maze, &Paths::new(maze));
+        few.map_or_else(|| self.clone(), |few| self.with_rules(few.rules))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::agent::{Estimator, Method};
+    use crate::agent::Method;
     use crate::trial::{Plan, Trial};
-    use xcs::Layout;
+    use xcscr_robot::arena::ArenaKind;
 
     #[test]
-    fn compacted_rules_are_never_more_than_were_learned_and_choose_the_same() {
-        let mut grown = 0;
-        let trials = ["maze4", "maze5", "maze6"]
-            .into_iter()
-            .flat_map(|maze| (1..=12).map(move |seed| (maze, seed)));
-        for (maze, seed) in trials {
+    fn the_fewest_rules_decide_like_all_rules_in_every_cell() {
+        for (maze, most) in [("maze4", 15), ("maze5", 25), ("maze6", 20)] {
             let path = format!("{}/../../worlds/{maze}.json", env!("CARGO_MANIFEST_DIR"));
-            let maze = Maze::load(path.as_ref()).unwrap();
-            let plan = Plan::new(maze.clone());
-            let plan = plan
-                .method(Method::XcscrPlus)
-                .arena(xcscr_robot::arena::ArenaKind::Grid);
-            let mut plan = plan.episodes(40).seed(seed);
-            plan.config.settings.plus.estimator = Estimator::Percept;
-            let mut trial = Trial::new(plan).unwrap();
+            let plan = Plan::new(Maze::load(path.as_ref()).unwrap()).method(Method::XcscrPlus);
+            let mut trial = Trial::new(plan.arena(ArenaKind::Grid).episodes(40)).unwrap();
             let _ = trial.run(&mut ());
-            let knowledge = trial.method().knowledge();
-            let sensor = trial.plan().config.sensor;
-            let compacted = Compacted::new(&knowledge, sensor, &maze, trial.paths()).unwrap();
-            let learned = knowledge.rules().unwrap();
-            assert!(compacted.rules.len() <= learned.len(), "seed {seed}");
-            assert_eq!(compacted.agreeing, compacted.percepts, "seed {seed}");
-            let values = |percept: &_| knowledge.values(percept, maze.action_count());
-            let alone = compact(learned, &Layout::default(), &sensor.percepts(&maze), values);
-            grown += usize::from(alone.len() > learned.len());
+            let (knowledge, plan) = (trial.method().knowledge(), trial.plan());
+            let (sensor, actions) = (plan.config.sensor, plan.maze.action_count());
+            let few = Compacted::new(&knowledge, sensor, &plan.maze, trial.paths()).unwrap();
+            let all = knowledge.rules().unwrap();
+            assert!(
+                few.rules.len() <= most && most < all.len(),
+                "{maze}: {}",
+                few.rules.len()
+            );
+            assert_eq!(few.optimal, trial.progress().optimal, "{maze}");
+            let percepts = sensor.percepts(&plan.maze);
+            for percept in percepts
+                .into_iter()
+                .filter(|percept| knowledge.decides(percept))
+            {
+                let [few, all] =
+                    [&few.rules, all].map(|rules| rules.sums(&percept).array(actions, false));
+                assert!(
+                    few.best_actions().all(|action| all.is_nearly_best(action)),
+                    "{maze} {percept}"
+                );
+            }
         }
-        assert!(
-            grown > 0,
-            "control: compaction alone makes some sets larger"
-        );
     }
 }

@@ -218,10 +218,12 @@ mod tests {
     #[test]
     fn means_are_those_of_the_episodes_that_were_run() {
         let maze = Maze::load("../../worlds/maze4.json".as_ref()).unwrap();
-        let plan = Plan::new(maze)
+        let mut plan = Plan::new(maze)
             .arena(ArenaKind::Grid)
             .sensor(Sensor::Position);
         // There are no values, so every episode takes the maximum number of steps.
+        plan.config.settings.reward.step_threshold = 9;
+        plan.config.settings.reward.step_threshold_from_maze = false;
         let knowledge = Knowledge::Table(std::collections::BTreeMap::new());
         let whole = Evaluation::run(&plan, &knowledge, 3).unwrap();
         let ended = Evaluation::observed(&plan, &knowledge, 200, &mut UpToThree).unwrap();

@@ -1,16 +1,12 @@
 //! One trial: a fresh learner, run for a number of episodes from one seed.
 
-mod advice;
 mod bounds;
 mod compacted;
-mod demands;
-mod drive;
 mod evaluation;
 mod greedy;
 mod history;
 mod judge;
 mod plan;
-mod readers;
 mod resolve;
 mod robot;
 mod settings;
@@ -23,16 +19,13 @@ use std::ops::{ControlFlow, RangeInclusive};
 
 use serde::{Deserialize, Serialize};
 
-pub use advice::{Advice, Change as AdvisedChange};
-pub use bounds::{Bounds, Estimate};
+pub use bounds::Bounds;
 pub use compacted::Compacted;
-pub use demands::words_of_context;
 pub use evaluation::Evaluation;
 pub use greedy::GreedySteps;
 pub use history::{PredictionChange, RuleHistory};
 pub use judge::{Judge, steps_to_goal};
 pub use plan::{Config, Plan, PlanError};
-pub use readers::{ReadBy, Scope};
 pub use resolve::Resolved;
 pub use resolve::{FROM_MAZE, STEP_THRESHOLD, flatten, similar, value_of};
 pub use robot::{RobotError, RobotProfile};
@@ -84,6 +77,15 @@ pub struct Progress {
     /// The maximum number of rules after an episode.
     #[serde(default)]
     pub most_rules: usize,
+    /// Episodes that reached a goal.
+    #[serde(default)]
+    pub reached_goal: u32,
+    /// Steps after which the short-term filter lowered a value (Alg. 1).
+    #[serde(default)]
+    pub filter_firings: u64,
+    /// Episodes after which a policy was imprinted (Alg. 2).
+    #[serde(default)]
+    pub imprintings: u32,
 }
 
 impl Progress {
@@ -96,6 +98,9 @@ impl Progress {
         within("episodes", done, 0..=config.episodes)?;
         within("steps", self.steps, u64::from(done)..=longest(done, limit))?;
         within("collisions", self.collisions, 0..=self.steps)?;
+        within("filter_firings", self.filter_firings, 0..=self.steps)?;
+        within("reached_goal", self.reached_goal, 0..=done)?;
+        within("imprintings", self.imprintings, 0..=done)?;
         self.mistakes.check(self.steps)?;
         self.chosen.check(self.steps)?;
         self.chosen_before.check(self.steps)?;
@@ -274,6 +279,9 @@ impl Trial {
         progress.steps += u64::from(episode.steps);
         progress.collisions += u64::from(episode.collisions);
         progress.chosen.add(&episode.chosen);
+        progress.filter_firings += u64::from(episode.filter_firings);
+        progress.imprintings += u32::from(episode.imprinted);
+        progress.reached_goal += u32::from(episode.ending == episode::Ending::Goal);
         progress.most_rules = progress.most_rules.max(episode.rules);
         if progress.first_optimal_episode.is_none() {
             progress.chosen_before = progress.chosen;
@@ -305,9 +313,8 @@ impl Trial {
     /// action. The path ends at a goal, or where the policy makes no more progress. `None` if episodes start
     /// anywhere.
     pub fn greedy_path(&self) -> Option<Vec<Cell>> {
-        let (method, maze) = (&*self.method, &self.plan.maze);
-        let start = maze.start()?;
-        Some(self.judge.greedy_path(method, &self.policy(), maze, start))
+        let maze = &self.plan.maze;
+        Some(self.policy().greedy_path(maze, maze.start()?))
     }
 
     /// Returns the figures so far.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::settings::Settings;
-use crate::agent::{Agent, Estimator, Knowledge, Method, Misfit, Setup};
+use crate::agent::{Agent, Knowledge, Method, Misfit, Setup};
 use xcs::bounds::{OutOfRange, within};
 use xcscr_robot::arena::{
     Arena, ArenaKind, GridArena, Localisation, NoisyPerceptArena, PhysicsArena, PhysicsError,
@@ -112,9 +112,6 @@ impl Config {
             reward: settings.reward,
             tabular: settings.tabular,
             plus: settings.plus,
-            map: settings.map,
-            sensed: self.sensor.is_sensed(),
-            shows_surroundings: self.sensor.shows_only_surroundings(),
             layout: self.sensor.layout(maze),
         };
         let actions = maze.action_count();
@@ -148,23 +145,26 @@ impl Default for Config {
             sensor: Sensor::usual_in(ArenaKind::Physics),
             episodes: 180,
             seed: 1,
-            settings: Settings::default(),
+            settings: Settings::of(Method::XcscrPlus),
             initial: None,
         }
     }
 }
 
 impl Plan {
-    /// Creates a plan for 180 episodes of `xcscr-plus` in physics, with the percept `lidar` and
-    /// seed 1. Each method below changes only one of these choices.
+    /// Creates a plan for 180 episodes of `xcscr-plus` in physics, with the percept `lidar-position` and
+    /// seed 1.
     pub fn new(maze: Maze) -> Self {
         let config = Config::default();
         Self { maze, config }
     }
 
-    /// Sets the reward method.
+    /// Sets the reward method. Settings that were not changed become the default settings of the method.
     #[must_use]
     pub fn method(mut self, method: Method) -> Self {
+        if self.config.settings == Settings::of(self.config.method) {
+            self.config.settings = Settings::of(method);
+        }
         self.config.method = method;
         self
     }
@@ -213,14 +213,6 @@ impl Plan {
         let config = &self.config;
         within("episodes", config.episodes, 1..=1_000_000)?;
         config.settings.check()?;
-        let plus = &config.settings.plus;
-        let maps = config.method.may_draw_maps(plus) && plus.estimator == Estimator::Map;
-        if maps && !config.sensor.begins_with_neighbours() {
-            return Err(PlanError::NoSurroundings {
-                method: config.method.name(),
-                sensor: config.sensor.name(),
-            });
-        }
         Ok(())
     }
 
@@ -248,17 +240,6 @@ pub enum PlanError {
     /// The knowledge does not fit the world.
     #[error(transparent)]
     Knowledge(#[from] Misfit),
-    /// The method needs another percept.
-    #[error(
-        "`{method}` with `plus.estimator` = `map` needs a percept that begins with the eight cells around the robot, which \
-         `{sensor}` does not; choose `neighbours` or `neighbours-position`, or in physics `lidar` or `lidar-position`"
-    )]
-    NoSurroundings {
-        /// The method.
-        method: &'static str,
-        /// The percept that was chosen.
-        sensor: &'static str,
-    },
     /// The world is invalid in physics.
     #[error(transparent)]
     Physics(#[from] PhysicsError),

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::toml_text::MOST_TOML_BYTES;
-use crate::agent;
+use crate::agent::{self, Method, Sharing};
 use crate::episode;
 use xcs::bounds::{OutOfRange, Setting};
 use xcscr_robot::arena::{ArenaParams, PhysicsParams};
@@ -26,8 +26,6 @@ pub struct Settings {
     pub reward: agent::Params,
     /// `xcscr-plus` and `r-max`.
     pub plus: agent::PlusParams,
-    /// Maps of `xcscr-plus` and `r-max`.
-    pub map: agent::MapParams,
     /// Tabular methods.
     pub tabular: agent::TabularParams,
     /// Exploration.
@@ -41,6 +39,35 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Returns the default settings of a method. They differ from [`Settings::default`] for the methods of the XCS
+    /// family: `docs/src/how-to/choose-a-method.md` says how they were chosen.
+    pub fn of(method: Method) -> Self {
+        let mut settings = Self::default();
+        let Self {
+            xcs,
+            reward,
+            episode,
+            ..
+        } = &mut settings;
+        match method {
+            Method::Xcscr | Method::XcscrCoevolved => {
+                (xcs.population_size, xcs.dont_care, xcs.mu) = (3200, 0.05, 0.05);
+                (reward.step_threshold, reward.gamma) = (600, 0.8);
+                reward.beta_collision = 0.05;
+                episode.explore = 0.4;
+            }
+            Method::XcscrPlus => {
+                xcs.dont_care = 0.5;
+                reward.step_threshold = 600;
+                reward.sharing = Sharing::Even;
+                reward.beta_collision = 0.05;
+            }
+            Method::Xcs | Method::Xcsam | Method::AdaptedEven | Method::AdaptedDiscounted => {}
+            Method::QLearning | Method::SarsaLambda | Method::DynaQ | Method::RMax => {}
+        }
+        settings
+    }
+
     /// The maximum size of a settings file, in bytes.
     pub const MOST_BYTES: u64 = MOST_TOML_BYTES;
 
@@ -61,7 +88,6 @@ impl Settings {
             xcs::Params::declared(),
             agent::Params::declared(),
             agent::PlusParams::declared(),
-            agent::MapParams::declared(),
             agent::TabularParams::declared(),
             episode::Params::declared(),
             ArenaParams::declared(),
@@ -80,8 +106,8 @@ impl Settings {
     pub fn check(&self) -> Result<(), OutOfRange> {
         self.xcs.check()?;
         self.reward.check()?;
+        self.reward.check_filter()?;
         self.plus.check()?;
-        self.map.check()?;
         self.tabular.check()?;
         self.episode.check()?;
         self.arena.check()?;

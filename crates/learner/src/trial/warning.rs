@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use super::advice::Advice;
 use super::plan::{Config, Plan};
-use xcscr_robot::sensor::{AliasedCells, Sensor, aliased_among};
+use super::settings::{MOST_STEPS, PATHS_AN_EPISODE};
+use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Cell, Facts, Maze, Paths};
 
 /// The maximum number of groups of cells, and of cells per group, that a warning lists.
@@ -19,8 +19,6 @@ pub enum Warning {
         steps: u32,
         /// The longest shortest path from any start.
         longest: u32,
-        /// Changes that help; `None` if the paths are too long for any step-threshold.
-        advice: Option<Advice>,
     },
     /// Some cells are perceptually aliased, and no action is best in all of them.
     Aliased {
@@ -28,16 +26,9 @@ pub enum Warning {
         sensor: Sensor,
         /// The cells, group by group.
         groups: Vec<Vec<Cell>>,
-        /// Changes that help, if known.
-        advice: Option<Advice>,
     },
-    /// The percept does not show which auxiliary rewards were collected, and no map is built from it.
-    Collected {
-        /// The percept.
-        sensor: Sensor,
-        /// Changes that help.
-        advice: Option<Advice>,
-    },
+    /// The percept does not show which auxiliary rewards were collected.
+    Collected(Sensor),
     /// Cells with rewards are unreachable in every episode.
     OutOfReach(Vec<Cell>),
     /// A move takes longer than the time-out of actions.
@@ -87,41 +78,19 @@ impl Plan {
 fn step_limit(plan: &Plan, paths: &Paths) -> Option<Warning> {
     let steps = plan.config.settings.reward.step_threshold;
     let longest = paths.longest(&plan.maze);
-    (steps < longest).then(|| Warning::StepLimit {
-        steps,
-        longest,
-        advice: Advice::of(plan.advised_threshold().into_iter().collect()),
-    })
+    (steps < longest).then_some(Warning::StepLimit { steps, longest })
 }
 
-/// Only cells on optimal paths matter, and only to a method that does not build a map.
+/// Only cells on optimal paths matter.
 fn aliased_cells(plan: &Plan, paths: &Paths) -> Option<Warning> {
-    let Plan { maze, config } = plan;
-    let may_draw = config.method.may_draw_maps(&config.settings.plus);
-    if may_draw && config.sensor.shows_only_surroundings() {
-        return None;
-    }
-    let sensor = config.sensor;
-    let groups = misleading(sensor, maze, paths);
-    let changes = [
-        plan.advised_method(),
-        plan.advised_sensor(),
-        plan.advised_estimator(),
-    ];
-    (!groups.is_empty()).then(|| Warning::Aliased {
-        sensor,
-        groups,
-        advice: Advice::of(changes.into_iter().flatten().collect()),
-    })
+    let sensor = plan.config.sensor;
+    let groups = sensor.misleading(&plan.maze, paths);
+    (!groups.is_empty()).then_some(Warning::Aliased { sensor, groups })
 }
 
 fn collected(plan: &Plan) -> Option<Warning> {
-    let Plan { maze, config } = plan;
-    let fails = !maze.rewarding_cells().is_empty() && !config.sensor.shows_only_surroundings();
-    (fails && config.method.may_draw_maps(&config.settings.plus)).then(|| Warning::Collected {
-        sensor: config.sensor,
-        advice: Advice::of(plan.advised_sensor().into_iter().collect()),
-    })
+    let has_rewards = !plan.maze.rewarding_cells().is_empty();
+    has_rewards.then_some(Warning::Collected(plan.config.sensor))
 }
 
 fn time_out(config: &Config, maze: &Maze) -> Option<Warning> {
@@ -147,21 +116,22 @@ fn out_of_reach(maze: &Maze) -> Option<Warning> {
     (!cells.is_empty()).then_some(Warning::OutOfReach(cells))
 }
 
-/// Returns the groups of perceptually aliased cells on shortest paths without a common best action.
-pub(super) fn misleading(sensor: Sensor, maze: &Maze, paths: &Paths) -> Vec<Vec<Cell>> {
-    let on_paths = paths.cells_on_shortest(maze);
-    let groups = aliased_among(sensor, maze, paths, on_paths).into_iter();
-    let misleading = groups.filter(|group| !group.share_a_best_action);
-    misleading.map(|AliasedCells { cells, .. }| cells).collect()
-}
-
 impl Warning {
     /// Returns a hint in words, if one is known.
     fn help(&self) -> Option<String> {
         match self {
-            Self::StepLimit { advice, .. }
-            | Self::Aliased { advice, .. }
-            | Self::Collected { advice, .. } => advice.as_ref().map(|advice| format!("`{advice}`")),
+            Self::StepLimit { longest, .. } => {
+                let steps = longest.saturating_mul(PATHS_AN_EPISODE);
+                (steps <= MOST_STEPS).then(|| format!("`--set reward.step_threshold={steps}`"))
+            }
+            Self::Aliased { sensor, .. } => {
+                let with_position = match sensor.is_sensed() {
+                    true => Sensor::LidarPosition,
+                    false => Sensor::NeighboursPosition,
+                };
+                Some(format!("`--sensor {}`", with_position.name()))
+            }
+            Self::Collected(_) => None,
             Self::OutOfReach(_) => Some("to open a path in `rows`".to_owned()),
             Self::TimeOut { move_s, .. } => {
                 let time_out_s = (3.0 * move_s).ceil();
@@ -179,19 +149,19 @@ impl Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::StepLimit { steps, longest, .. } => write!(
+            Self::StepLimit { steps, longest } => write!(
                 f,
                 "episodes end after {steps} steps, but the longest shortest path has {longest}"
             ),
-            Self::Aliased { sensor, groups, .. } => write!(
+            Self::Aliased { sensor, groups } => write!(
                 f,
                 "the sensor `{}` cannot distinguish these cells, and no action is best in all of them: {}",
                 sensor.name(),
                 listed(groups)
             ),
-            Self::Collected { sensor, .. } => write!(
+            Self::Collected(sensor) => write!(
                 f,
-                "the sensor `{}` does not show which rewards were collected, and the learner builds no map from it",
+                "the sensor `{}` does not show which rewards were collected, so the policy cannot depend on it",
                 sensor.name()
             ),
             Self::OutOfReach(cells) => {
@@ -342,9 +312,11 @@ mod tests {
             .iter()
             .map(Warning::to_string)
             .collect();
-        let wanted =
+        let hidden = "the sensor `lidar-position` does not show which rewards were collected, so the policy cannot \
+                      depend on it";
+        let unreachable =
             "no episode can reach these cells with rewards: 5,1; try to open a path in `rows`";
-        assert_eq!(said, [wanted]);
+        assert_eq!(said, [hidden, unreachable]);
     }
 
     #[test]
@@ -358,17 +330,16 @@ mod tests {
     }
 
     #[test]
-    fn aliased_cells_on_paths_are_named_and_position_or_a_map_distinguishes_them() {
+    fn aliased_cells_on_paths_are_named_and_the_position_distinguishes_them() {
         let said = |method, sensor| said("dfs-12-1", method, sensor, &[]);
         let named = said(Method::Xcscr, Sensor::Neighbours);
         let words = "the sensor `neighbours` cannot distinguish these cells, and no action is best in all \
                      of them: ";
         assert!(named.len() == 1 && named[0].starts_with(words), "{named:?}");
         assert!(
-            named[0].ends_with("; try `--method xcscr-plus`"),
+            named[0].ends_with("; try `--sensor neighbours-position`"),
             "{named:?}"
         );
         assert_eq!(said(Method::Xcscr, Sensor::NeighboursPosition), [""; 0]);
-        assert_eq!(said(Method::XcscrPlus, Sensor::Neighbours), [""; 0]);
     }
 }

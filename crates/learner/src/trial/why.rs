@@ -67,10 +67,7 @@ impl Why {
 /// Returns the rules that match a percept, with their shares.
 fn votes(knowledge: &Knowledge, percept: &Percept, values: &PredictionArray) -> Vec<WeightedRule> {
     let rules = knowledge.rules().map_or(&[][..], Population::rules);
-    let rule_input = knowledge.rule_input(percept);
-    let matching = rules
-        .iter()
-        .filter(|rule| rule.condition.matches(&rule_input));
+    let matching = rules.iter().filter(|rule| rule.condition.matches(percept));
     let matching: Vec<Classifier> = matching.copied().collect();
     let fitness_of = |action| {
         let rules = matching.iter().filter(move |rule| rule.action == action);

@@ -24,7 +24,7 @@ use strum::{IntoStaticStr, VariantArray};
 pub use words::{ANYTHING, Alleles, Demands};
 
 use crate::arena::{ArenaKind, Sensed, View};
-use crate::world::{Cell, Maze};
+use crate::world::{Cell, Maze, Paths};
 use xcs::{Layout, Percept};
 
 /// The sensor types.
@@ -53,33 +53,42 @@ pub enum Sensor {
     LidarPosition,
 }
 
-/// The largest maze, in cells, whose default percept does not contain the robot's position.
-const MOST_MAPPED: u32 = 1024;
-
 impl Sensor {
     /// All sensors.
     pub const ALL: &[Self] = Self::VARIANTS;
 
-    /// Returns the default sensor of an arena. In physics this is the robot's lidar. On the grid it
-    /// is the percept of the literature on learning classifier systems.
+    /// Returns the default sensor of an arena. In physics this is the robot's lidar with the estimated position. On the
+    /// grid it is the percept of the literature on learning classifier systems.
     pub fn usual_in(arena: ArenaKind) -> Self {
         match arena {
-            ArenaKind::Physics => Self::Lidar,
+            ArenaKind::Physics => Self::LidarPosition,
             ArenaKind::Grid => Self::Neighbours,
         }
     }
 
-    /// Returns the default sensor for learning in a maze: [`usual_in`](Self::usual_in), plus the
-    /// robot's position in mazes of more than 1,024 cells. In such mazes a learner without the
-    /// position would build a map, which takes minutes. In mazes with auxiliary rewards it builds one nevertheless:
-    /// no percept shows which rewards were collected.
+    /// Returns the default sensor for learning in a maze: [`usual_in`](Self::usual_in), or on the grid
+    /// `neighbours-position` if `neighbours` does not distinguish cells on shortest paths that need different actions.
     pub fn usual_for(arena: ArenaKind, maze: &Maze) -> Self {
-        let cells = u32::from(maze.width()) * u32::from(maze.height());
         match Self::usual_in(arena) {
-            usual if cells <= MOST_MAPPED || !maze.rewarding_cells().is_empty() => usual,
-            Self::Lidar => Self::LidarPosition,
-            _ => Self::NeighboursPosition,
+            Self::Neighbours if Self::Neighbours.misleads(maze, &Paths::new(maze)) => {
+                Self::NeighboursPosition
+            }
+            usual => usual,
         }
+    }
+
+    /// Returns true if no action is best in all of some cells on shortest paths that share a percept.
+    pub fn misleads(self, maze: &Maze, paths: &Paths) -> bool {
+        !self.misleading(maze, paths).is_empty()
+    }
+
+    /// Returns the groups of cells on shortest paths that share a percept but no best action.
+    pub fn misleading(self, maze: &Maze, paths: &Paths) -> Vec<Vec<Cell>> {
+        let groups = aliased_among(self, maze, paths, paths.cells_on_shortest(maze));
+        let misleading = groups
+            .into_iter()
+            .filter(|group| !group.share_a_best_action);
+        misleading.map(|group| group.cells).collect()
     }
 
     /// Returns the name used on the command line and in files.

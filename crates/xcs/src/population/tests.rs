@@ -21,35 +21,6 @@ fn a_twin_adds_its_numerosity() {
 }
 
 #[test]
-fn a_record_is_kept_by_the_rules_that_match_and_have_the_action() {
-    let params = Params::default();
-    let new = |condition: &str, action| Classifier::<Condition> {
-        fitness: 1.0,
-        ..Classifier::new(
-            condition.parse().unwrap(),
-            Action::new(action).unwrap(),
-            0,
-            &params,
-        )
-    };
-    let mut population = Population::default();
-    let acting = population.insert(new("01#", 0));
-    let others = [new("01#", 1), new("1##", 0)].map(|rule| population.insert(rule));
-    let (percept, action) = ("010".parse().unwrap(), Action::new(0).unwrap());
-    for right in [true, false, true] {
-        population.record(&percept, action, right);
-    }
-    let record = |id| {
-        population
-            .get(id)
-            .map(|rule| (rule.experience, rule.fitness))
-    };
-    // The record starts with one right step; two of three further steps are right.
-    assert_eq!(record(acting), Some((3, 0.75)));
-    assert_eq!(others.map(record), [Some((0, 1.0)); 2]);
-}
-
-#[test]
 fn a_removed_rule_neither_matches_nor_blocks_a_twin() {
     let mut population = Population::default();
     let first = population.insert(rule("0##", 1));

@@ -217,7 +217,7 @@ impl EventLogger {
         let Learned { method, view, .. } = *learned;
         let (maze, judge) = (view.maze, &mut self.judge);
         let values = self.start.and_then(|cell| policy.values(cell).copied());
-        let path = |cell| judge.greedy_path(method, policy, maze, cell);
+        let path = |cell| policy.greedy_path(maze, cell);
         Outlook {
             start_values: values.unwrap_or_else(|| PredictionArray::new(0)),
             greedy_steps: self

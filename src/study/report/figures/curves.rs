@@ -9,7 +9,7 @@ use super::canvas::{
 };
 use super::panels::Panels;
 use super::theme::{CENTRED, FAINT, FROM_LEFT, INK, line, text, ticks, widest};
-use crate::study::statistics::{Lifetime, Point, Survival};
+use crate::study::statistics::Interval;
 
 const PANEL: Size = (340, 300);
 const TOP: i32 = 36;
@@ -20,8 +20,8 @@ const ROW: i32 = 17;
 
 type ByEpisode<'a, 'b> = Chart<'a, 'b, WithKeyPoints<RangedCoordu32>, RangedCoordf64>;
 
-/// A panel for each place, with 1 - Kaplan-Meier and its 95 % band for each series. A table below
-/// shows how many trials are still searching.
+/// A panel for each place, with the share of solved trials and Wilson's 95 % band for each series. A
+/// table below shows how many trials are still searching.
 #[derive(Debug)]
 pub struct Curves<'a>(pub(super) &'a Panels<'a>);
 
@@ -72,16 +72,13 @@ impl Curves<'_> {
             .draw()?;
         for series in 0..self.0.series.len() {
             if let Some(records) = self.0.at(place, series) {
-                let lifetimes = records.lifetimes();
-                let survival = Survival::new(&lifetimes);
-                let shares: [fn(&Point) -> f64; 3] = [
-                    |point| 1.0 - point.high,
-                    |point| 1.0 - point.low,
-                    |point| 1.0 - point.value,
-                ];
-                let stairs = shares.map(|share| staircase(survival.points(), episodes, share));
+                let steps = records.solved_by_episode();
+                let shares: [fn(&Interval) -> f64; 3] =
+                    [|share| share.low, |share| share.high, |share| share.value];
+                let stairs = shares.map(|share| staircase(&steps, episodes, share));
                 draw_curve(&mut chart, series, stairs)?;
-                self.still_searching(canvas, &chart, series, &lifetimes)?;
+                let trials = records.successes().trials;
+                self.still_searching(canvas, &chart, series, (trials, &records.first_episodes()))?;
             }
         }
         Ok(())
@@ -93,12 +90,12 @@ impl Curves<'_> {
         canvas: &Canvas<'_>,
         chart: &ByEpisode<'_, '_>,
         series: usize,
-        lifetimes: &[Lifetime],
+        (trials, firsts): (u64, &[u32]),
     ) -> Drawn {
         ticks(self.0.episodes).into_iter().try_for_each(|episode| {
             let (x, _) = chart.backend_coord(&(episode, 0.0));
-            let found = |one: &&Lifetime| one.happened && one.time <= episode;
-            let searching = lifetimes.len() - lifetimes.iter().filter(found).count();
+            let found = firsts.partition_point(|first| *first <= episode);
+            let searching = trials - found as u64;
             let at = (x, row(series + 1));
             write(canvas, 11, CENTRED, at, &searching.to_string())
         })
@@ -110,15 +107,17 @@ fn row(row: usize) -> i32 {
     TOP + PANEL.1 + row as i32 * ROW + ROW / 2 + 4
 }
 
-/// Returns the corners of a staircase through the points, up to the last episode.
-fn staircase(points: &[Point], episodes: u32, share: impl Fn(&Point) -> f64) -> Vec<(u32, f64)> {
-    let mut corners = Vec::new();
-    let mut before = 0.0;
-    for point in points {
-        corners.push((point.time, before));
-        before = share(point);
-        corners.push((point.time, before));
+/// Returns the corners of a staircase through the steps, up to the last episode.
+fn staircase(
+    steps: &[(u32, Interval)],
+    episodes: u32,
+    share: impl Fn(&Interval) -> f64,
+) -> Vec<(u32, f64)> {
+    let mut corners: Vec<(u32, f64)> = Vec::new();
+    for (episode, interval) in steps {
+        corners.extend(corners.last().map(|(_, before)| (*episode, *before)));
+        corners.push((*episode, share(interval)));
     }
-    corners.push((episodes, before));
+    corners.extend(corners.last().map(|(_, last)| (episodes, *last)));
     corners
 }

@@ -1,36 +1,27 @@
 //! Figures of a study, as SVG and PNG. Only this module uses the drawing library.
 
-mod ablation;
 mod canvas;
 mod curves;
 mod episodes;
-mod heat;
-mod histogram;
 mod panels;
-mod steps;
 mod theme;
 
-use ablation::Ablation;
 use canvas::Drawing;
 use curves::Curves;
 use episodes::Episodes;
-use heat::Heat;
-use histogram::Histograms;
 use panels::Panels;
-use steps::Steps;
 
 use crate::error::{Error, ErrorKind};
 use crate::page::Picture;
 use crate::picture::png;
-use crate::study::analysis::summary::{ArmRecords, ArmSummary};
+use crate::study::analysis::summary::ArmRecords;
 use crate::study::store::StudyFolder;
 
-/// Draws the figures of a study into its folder, and returns them. `arms` are the study's
-/// summaries.
+/// Draws the figures of a study into its folder, and returns them.
 ///
 /// # Errors
 /// When a figure cannot be drawn or written.
-pub fn draw_figures(folder: &StudyFolder, arms: &[ArmSummary]) -> Result<Vec<Picture>, Error> {
+pub fn draw_figures(folder: &StudyFolder) -> Result<Vec<Picture>, Error> {
     let records = ArmRecords::all(folder);
     let panels = Panels::new(&records, folder.protocol().episodes);
     let mut pictures = Vec::new();
@@ -39,24 +30,12 @@ pub fn draw_figures(folder: &StudyFolder, arms: &[ArmSummary]) -> Result<Vec<Pic
         Ok::<_, Error>(())
     };
     if panels.series.len() <= theme::MOST_SERIES {
-        let caption = "When the greedy policy first became globally optimal";
-        add("first-optimal", caption, &Histograms(&panels))?;
         let caption = "The share of trials that had found an optimal policy";
         add("curves", caption, &Curves(&panels))?;
         if let Some(curves) = folder.learning_curves() {
             let chart = Episodes::new(&panels, &curves);
             add("episodes", "Steps per episode", &chart)?;
         }
-    }
-    if let Some(chart) = Steps::new(&panels, arms) {
-        let caption = "Environment steps until the policy was globally optimal";
-        add("steps", caption, &chart)?;
-    }
-    if let Some(chart) = Heat::new(&folder.protocol().arms, arms) {
-        add("heat", "Optimal trials by two settings", &chart)?;
-    }
-    if let Some(chart) = Ablation::new(&records) {
-        add("ablation", "Contribution of each switch", &chart)?;
     }
     Ok(pictures)
 }

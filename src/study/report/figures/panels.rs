@@ -54,11 +54,6 @@ impl<'a> Panels<'a> {
         (self.places.len() as i32, self.series.len() as i32)
     }
 
-    /// Returns the trials of all arms.
-    pub fn records(&self) -> &'a [ArmRecords<'a>] {
-        self.records
-    }
-
     /// Returns the arm of a series in a place.
     pub fn arm(&self, place: usize, series: usize) -> Option<usize> {
         let mut positions = self.positions.iter();

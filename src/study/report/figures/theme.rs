@@ -17,10 +17,6 @@ const COLOURS: [RGBColor; 8] = [
 
 /// Maximum number of series with different colours.
 pub const MOST_SERIES: usize = COLOURS.len();
-/// The series whose colour is used for ordinary marks.
-pub const BLUE: usize = 2;
-/// The series whose colour is used for highlighted marks.
-pub const RED: usize = 3;
 /// Text anchored at its centre.
 pub const CENTRED: Pos = Pos {
     h_pos: HPos::Center,
@@ -29,11 +25,6 @@ pub const CENTRED: Pos = Pos {
 /// Text anchored at the middle of its left end.
 pub const FROM_LEFT: Pos = Pos {
     h_pos: HPos::Left,
-    v_pos: VPos::Center,
-};
-/// Text anchored at the middle of its right end.
-pub const FROM_RIGHT: Pos = Pos {
-    h_pos: HPos::Right,
     v_pos: VPos::Center,
 };
 /// The colour of text and axes.

@@ -20,7 +20,7 @@ use crate::agent::knowledge::Knowledge;
 use crate::agent::{Agent, EndCredit, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Percept};
-use xcs::{MatchSet, PredictionArray, Xcs};
+use xcs::{MatchSet, Population, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
 
 /// The method `xcscr` (paper, section III and figure 1.c). With all four mechanisms switched off it
@@ -69,6 +69,16 @@ impl Combined {
         self
     }
 
+    /// Returns \[P\].
+    pub fn rules(&self) -> &Population {
+        self.xcs.population()
+    }
+
+    /// Returns the classifier system.
+    pub fn xcs_mut(&mut self) -> &mut Xcs {
+        &mut self.xcs
+    }
+
     /// Returns the steps to replay after an episode, if any (Alg. 2): one of the best policies, each step with its
     /// share of the reward of a success (Alg. 4).
     fn replay(&mut self, reached_goal: bool, policy: &Policy) -> Option<Vec<ReplayedStep>> {
@@ -95,13 +105,13 @@ impl Agent for Combined {
         self.xcs.predict(&self.match_set)
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+    fn update(&mut self, action: Action, outcome: Outcome, _: Option<&Percept>) -> StepCredit {
         let set = self.match_set.action_set(action);
         let set = set.expect("`observe` is called before `update` and forms [M]");
         let reward = self.params.short_term(outcome);
-        let credit = step_credit(&self.xcs, &self.match_set, &set, reward);
+        let mut credit = step_credit(&self.xcs, &self.match_set, &set, reward);
         let beta = self.learning_rate.after_collision();
-        self.filter.apply(&mut self.xcs, &set, reward, beta);
+        credit.filtered = self.filter.apply(&mut self.xcs, &set, reward, beta);
         self.found += outcome.found();
         self.stack
             .push(&mut self.xcs, set, self.params.stack_evolution);
@@ -170,7 +180,7 @@ mod tests {
         let mut method = Combined::new(xcs, Params::default(), imprinting);
         let (percept, action) = ("0".parse().unwrap(), Action::new(0).unwrap());
         method.observe(&percept);
-        method.update(action, outcome);
+        method.update(action, outcome, None);
         method.end_episode(outcome == Outcome::ReachedGoal);
         method.values(&percept).get(action).unwrap()
     }

@@ -31,6 +31,7 @@ pub(super) fn step_credit(
         error,
         match_set: match_set.micro(),
         action_set: size,
+        filtered: None,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use xcs::bounds::OutOfRange;
 use xcs::settings;
 use xcscr_robot::arena::Outcome;
 
@@ -127,6 +128,26 @@ impl Params {
             learning_rate_switching: false,
             learning_step_threshold: false,
             ..self
+        }
+    }
+
+    /// Checks that a collision fires the short-term filter, if the filter is on and collisions cost anything.
+    ///
+    /// # Errors
+    /// `reward.collision` is between `reward.theta_rs` and 0.
+    pub(crate) fn check_filter(&self) -> Result<(), OutOfRange> {
+        let ignored = self.theta_rs < self.collision && self.collision < 0.0;
+        match self.short_term_filter && ignored {
+            true => Err(OutOfRange {
+                key: "reward.collision",
+                value: self.collision.to_string(),
+                allowed: format!(
+                    "0 or at most `reward.theta_rs` ({}), or the short-term filter ignores it; set `reward.theta_rs`, \
+                     too, or `reward.short_term_filter=false`",
+                    self.theta_rs
+                ),
+            }),
+            false => Ok(()),
         }
     }
 

@@ -20,14 +20,21 @@ impl ShortTermFilter {
 
     /// Alg. 1: if the reward is at most theta_rs, updates \[A\] toward its value plus the reward,
     /// at learning rate `beta`. As printed in the paper, repeated collisions have no lower bound.
-    pub fn apply(&self, xcs: &mut Xcs, set: &ActionSet, reward: f64, beta: f64) {
+    /// Returns the value of the action before and after; `None` if the filter did not fire.
+    pub fn apply(
+        &self,
+        xcs: &mut Xcs,
+        set: &ActionSet,
+        reward: f64,
+        beta: f64,
+    ) -> Option<[f64; 2]> {
         if !self.on || reward > self.threshold {
-            return;
+            return None;
         }
-        let Some(values) = xcs.values(&set.percept).get(set.action) else {
-            return;
-        };
-        xcs.update(set, values + reward, beta);
+        let value = |xcs: &Xcs| xcs.values(&set.percept).get(set.action);
+        let before = value(xcs)?;
+        xcs.update(set, before + reward, beta);
+        Some([before, value(xcs).unwrap_or(before)])
     }
 }
 

@@ -2,8 +2,8 @@
 
 use crate::agent::credit::params::{Params, StepLimitUpdate, XcsPayment};
 use crate::agent::credit::step_credit;
+use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::policy::explorer::Explorer;
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit};
 use xcs::{Action, Percept};
 use xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
@@ -78,7 +78,7 @@ impl Agent for Standard {
         Choice::by(DecisionSource::Rules, action, explores)
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+    fn update(&mut self, action: Action, outcome: Outcome, _: Option<&Percept>) -> StepCredit {
         let set = self.match_set.action_set(action);
         let set = set.expect("`observe` is called before `update` and forms [M]");
         let reward = self.params.short_term(outcome);

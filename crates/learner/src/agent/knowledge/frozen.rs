@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use crate::agent::credit::credit_of_rules;
-use crate::agent::estimator::map::Tracker;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Explorer, StepCredit};
 use xcs::{Action, Condition, Percept, PredictionArray};
@@ -15,8 +14,6 @@ pub struct Frozen {
     knowledge: Knowledge,
     actions: usize,
     step_threshold: u32,
-    /// The state estimate of this episode.
-    tracker: Tracker,
     /// The last percept.
     #[serde(skip)]
     percept: Option<Percept>,
@@ -29,7 +26,6 @@ impl Frozen {
             knowledge,
             actions,
             step_threshold,
-            tracker: Tracker::default(),
             percept: None,
         }
     }
@@ -40,14 +36,10 @@ impl Frozen {
         self.matching(action).fired
     }
 
-    /// Describes the rules that match the current percept or context; empty for a table or a plan.
+    /// Describes the rules that match the current percept; empty for a table.
     fn matching(&self, action: Action) -> StepCredit {
-        let context = match self.knowledge.map() {
-            Some(map) => Some(self.tracker.context(map)),
-            None => self.percept,
-        };
-        match self.knowledge.rules().zip(context) {
-            Some((rules, context)) => credit_of_rules(rules, &context, action),
+        match self.knowledge.rules().zip(self.percept) {
+            Some((rules, percept)) => credit_of_rules(rules, &percept, action),
             None => StepCredit::default(),
         }
     }
@@ -56,12 +48,7 @@ impl Frozen {
 impl Agent for Frozen {
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
         self.percept = Some(*percept);
-        let Some(map) = self.knowledge.map() else {
-            return self.values(percept);
-        };
-        self.tracker.perceive(map, percept);
-        self.knowledge.plan_for(&self.tracker);
-        self.knowledge.tracked_values(&self.tracker, self.actions)
+        self.values(percept)
     }
 
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
@@ -74,14 +61,11 @@ impl Agent for Frozen {
         Choice::by(source, action, by_chance)
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
-        let matching = self.matching(action);
-        self.tracker.act(action, outcome.into());
-        matching
+    fn update(&mut self, action: Action, _: Outcome, _: Option<&Percept>) -> StepCredit {
+        self.matching(action)
     }
 
     fn end_episode(&mut self, _: bool) -> EndCredit {
-        self.tracker = Tracker::default();
         EndCredit::new(0.0, 0.0)
     }
 

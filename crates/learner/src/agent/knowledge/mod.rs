@@ -9,10 +9,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::estimator::map::{CONTEXT_BITS, Map, PERCEPT_BITS, Tracker};
 use crate::agent::model::Generalisation;
-use crate::agent::policy::plan::BeliefPlan;
-use xcs::{Action, Layout, Percept, Population, PredictionArray, Xcs};
+use xcs::{Action, Percept, Population, PredictionArray, Xcs};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::Maze;
 
@@ -25,22 +23,16 @@ pub enum Knowledge {
     /// The rules of an XCS that divides by the fitness of all of \[M\]
     /// (`xcs.value_over_match_set`).
     RulesOverMatchSet(Population),
-    /// Rules over percepts, distilled from a plan, with the rules that predict transitions.
+    /// The rules of an XCS with a learned model, and the rules of the model.
     PerceptRules {
         /// The rules for action values.
         rules: Population,
         /// The rules that predict transitions.
         generalisation: Generalisation,
+        /// The percepts from which the model knows a path to a goal. Only there has the learner a decision.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        known: Vec<Percept>,
     },
-    /// The rules of a learner with a map. Their conditions match contexts, not percepts.
-    MapRules {
-        /// The rules for action values in a context.
-        rules: Population,
-        /// The map that contexts refer to.
-        map: Map,
-    },
-    /// The plan of a tabular method with a map, and the map itself.
-    Planned(BeliefPlan),
     /// The table of a tabular method: the value of each action in each percept.
     Table(BTreeMap<Percept, Vec<Option<f64>>>),
 }
@@ -55,11 +47,9 @@ impl Knowledge {
         }
     }
 
-    /// Initialises an XCS with the rules; `false` if there are no rules with conditions on
-    /// percepts.
+    /// Initialises an XCS with the rules; `false` if there are no rules.
     pub(in crate::agent) fn initialise(&self, xcs: &mut Xcs) -> bool {
-        let rules = self.rules().filter(|_| !self.remembers());
-        rules.map(|rules| xcs.start_from(rules)).is_some()
+        self.rules().map(|rules| xcs.start_from(rules)).is_some()
     }
 
     /// Returns the value of each of `actions` actions in a percept.
@@ -69,10 +59,6 @@ impl Knowledge {
                 rules.sums(percept).array(actions, false)
             }
             Self::RulesOverMatchSet(rules) => rules.sums(percept).array(actions, true),
-            Self::MapRules { map, .. } => {
-                self.tracked_values(&Tracker::at_start(map, percept), actions)
-            }
-            Self::Planned(plan) => plan.values(&Tracker::at_start(&plan.map, percept), actions),
             Self::Table(table) => {
                 let mut array = PredictionArray::new(actions);
                 let row = table.get(percept).map_or(&[][..], Vec::as_slice);
@@ -84,69 +70,41 @@ impl Knowledge {
         }
     }
 
-    /// Continues planning for the tracked belief, if a plan chooses.
-    pub(super) fn plan_for(&mut self, tracker: &Tracker) {
-        if let Self::Planned(plan) = self {
-            plan.plan_for(tracker);
-        }
-    }
-
-    /// Returns the value of each action for the tracked state; empty without a map.
-    pub(super) fn tracked_values(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
-        match self {
-            Self::MapRules { map, .. } => self.values_in(&tracker.context(map), actions),
-            Self::Planned(plan) => plan.values(tracker, actions),
-            _ => PredictionArray::new(actions),
-        }
-    }
-
-    /// Returns the value of each action for the input of the rules: a context, or a percept without
-    /// a map.
-    pub fn values_in(&self, rule_input: &Percept, actions: usize) -> PredictionArray {
-        match self {
-            Self::MapRules { rules, .. } => rules.sums(rule_input).array(actions, false),
-            _ => self.values(rule_input, actions),
-        }
-    }
-
-    /// Returns the width of the input of the rules, for percepts of `width` bits.
-    fn context_width(&self, width: usize) -> usize {
-        match self {
-            Self::MapRules { .. } => CONTEXT_BITS,
-            _ => width,
-        }
-    }
-
-    /// Returns the input of the rules when an episode begins with a percept.
-    pub fn rule_input(&self, percept: &Percept) -> Percept {
-        match self {
-            Self::MapRules { map, .. } => Tracker::at_start(map, percept).context(map),
-            _ => *percept,
-        }
-    }
-
-    /// Returns true if choices depend on more than the percept.
-    pub fn remembers(&self) -> bool {
-        self.map().is_some()
-    }
-
-    /// Returns the map, if there is one.
-    fn map(&self) -> Option<&Map> {
-        match self {
-            Self::MapRules { map, .. } => Some(map),
-            Self::Planned(plan) => Some(&plan.map),
-            _ => None,
-        }
-    }
-
-    /// Returns the rules for action values; `None` for a table or a plan.
+    /// Returns the rules for action values; `None` for a table.
     pub fn rules(&self) -> Option<&Population> {
         match self {
             Self::Rules(rules)
             | Self::RulesOverMatchSet(rules)
-            | Self::PerceptRules { rules, .. }
-            | Self::MapRules { rules, .. } => Some(rules),
-            Self::Table(_) | Self::Planned(_) => None,
+            | Self::PerceptRules { rules, .. } => Some(rules),
+            Self::Table(_) => None,
+        }
+    }
+
+    /// Returns the knowledge with other rules.
+    pub fn with_rules(&self, rules: Population) -> Self {
+        match self {
+            Self::Rules(_) | Self::Table(_) => Self::Rules(rules),
+            Self::RulesOverMatchSet(_) => Self::RulesOverMatchSet(rules),
+            Self::PerceptRules {
+                generalisation,
+                known,
+                ..
+            } => Self::PerceptRules {
+                rules,
+                generalisation: generalisation.clone(),
+                known: known.clone(),
+            },
+        }
+    }
+
+    /// Returns true if the learner has a decision in a percept: if its model knows a path to a goal from there, or for
+    /// learners without a model.
+    pub fn decides(&self, percept: &Percept) -> bool {
+        match self {
+            Self::PerceptRules { known, .. } => {
+                known.is_empty() || known.binary_search(percept).is_ok()
+            }
+            _ => true,
         }
     }
 
@@ -164,15 +122,7 @@ impl Knowledge {
     /// The first rule or row that does not fit.
     pub fn check(&self, sensor: Sensor, maze: &Maze) -> Result<(), Misfit> {
         let (width, actions) = (sensor.width(maze), maze.action_count());
-        let layout = match self.remembers() {
-            true => Layout::default(),
-            false => sensor.layout(maze),
-        };
-        if let Some(map) = self.map()
-            && !(map.is_valid(actions) && width >= PERCEPT_BITS)
-        {
-            return Err(Misfit::Map);
-        }
+        let layout = sensor.layout(maze);
         let rules = self.rules().map_or(&[][..], Population::rules).iter();
         let own = rules.map(|rule| (rule.condition, Some(rule.action)));
         let predicting = self
@@ -182,10 +132,17 @@ impl Knowledge {
         let predicting = predicting.map(|rule| (rule.condition, rule.action));
         for (condition, action) in own.chain(predicting) {
             let action = action.map_or(0, Action::index);
-            let wanted = self.context_width(width);
-            Misfit::check(&condition, condition.width(), wanted, action, actions)?;
+            Misfit::check(&condition, condition.width(), width, action, actions)?;
             if !layout.fits(&condition) {
                 return Err(Misfit::Ranges(condition.to_string()));
+            }
+        }
+        if let Self::PerceptRules { known, .. } = self {
+            for percept in known {
+                Misfit::check(percept, percept.width(), width, 0, actions)?;
+            }
+            if !known.is_sorted_by(|a, b| a < b) {
+                return Err(Misfit::Unsorted);
             }
         }
         if let Self::Table(table) = self {
@@ -201,20 +158,18 @@ impl Knowledge {
         })
     }
 
-    /// Returns the number of rules, of pairs in the table, or of planned beliefs.
+    /// Returns the number of rules, or of pairs in the table.
     pub fn len(&self) -> usize {
         match self {
             Self::Table(table) => table.values().flatten().flatten().count(),
-            Self::Planned(plan) => plan.planner.beliefs(),
             _ => self.rules().map_or(0, Population::len),
         }
     }
 
-    /// Returns the unit of [`len`](Self::len): `rules`, `pairs` or `beliefs`.
+    /// Returns the unit of [`len`](Self::len): `rules` or `pairs`.
     pub fn counts(&self) -> &'static str {
         match self {
             Self::Table(_) => "pairs",
-            Self::Planned(_) => "beliefs",
             _ => "rules",
         }
     }
@@ -253,9 +208,9 @@ pub enum Misfit {
         /// The number of actions.
         actions: usize,
     },
-    /// The map does not fit the moves and percepts of this world.
-    #[error("the map of the rules does not fit the moves and percepts of this world")]
-    Map,
+    /// The known percepts are not sorted, or one is listed twice.
+    #[error("the known percepts are not sorted, or one is listed twice")]
+    Unsorted,
     /// The transition generalisation is invalid.
     #[error("{0}")]
     Generalisation(String),

@@ -23,6 +23,9 @@ use xcs::{Action, ByAction, Layout, Percept};
 /// doubt would give it a higher optimistic value than all known actions.
 const CERTAIN: f64 = 0.5;
 
+/// The exponent of a forecast, which is a share of votes. At 1, undecided votes cause detours.
+const CERTAINTY: u32 = 32;
+
 /// The rules for all actions.
 #[derive(Debug, Clone)]
 pub(in crate::agent) struct CollisionRules {
@@ -31,8 +34,6 @@ pub(in crate::agent) struct CollisionRules {
     ring: usize,
     /// The layout of percepts. A rule requires exact values of numbers.
     layout: Layout,
-    /// The exponent applied to a forecast.
-    certainty: u32,
     /// Rules for single actions.
     actions: ByAction<CollisionCandidates>,
     /// Rules for every action, on the percept rotated by the angle between the action and the first one.
@@ -42,12 +43,11 @@ pub(in crate::agent) struct CollisionRules {
 impl CollisionRules {
     /// Creates an untrained rule set for `actions` actions. The first `ring` bits of percepts form a
     /// ring.
-    pub fn new(actions: usize, ring: usize, layout: Layout, certainty: u32) -> Self {
+    pub fn new(actions: usize, ring: usize, layout: Layout) -> Self {
         Self {
             count: actions,
             ring,
             layout,
-            certainty,
             actions: Default::default(),
             rotated: CollisionCandidates::default(),
         }
@@ -81,7 +81,7 @@ impl CollisionRules {
 
     /// Returns the certainty that an action bumps in a percept, from 0 to 1.
     pub fn belief(&self, percept: &Percept, action: Action) -> f64 {
-        let bump = power(self.forecast(percept, action), self.certainty);
+        let bump = power(self.forecast(percept, action), CERTAINTY);
         if bump > CERTAIN { 1.0 } else { bump }
     }
 
@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     fn rules() -> CollisionRules {
-        CollisionRules::new(4, 8, Layout::default(), 1)
+        CollisionRules::new(4, 8, Layout::default())
     }
 
     fn action(number: usize) -> Action {
@@ -213,7 +213,7 @@ mod tests {
         let mut first = rules();
         SEEN.iter()
             .for_each(|(percept, bumped)| learn(&mut first, percept, *bumped));
-        let mut next = CollisionRules::new(4, 0, Layout::default(), 1);
+        let mut next = CollisionRules::new(4, 0, Layout::default());
         next.warm_start(&first.rules());
         assert!(
             forecast(&next, "01010000", 0) > 0.7,

@@ -1,12 +1,10 @@
-//! Models of what follows an action: counted transitions, rules that generalise them, and a POMDP.
+//! Models of what follows an action: counted transitions, and rules that generalise them.
 
 pub(super) mod collision_candidates;
 pub(super) mod collision_rules;
 mod generalisation;
 mod outcomes;
-pub mod pomdp;
-pub mod power;
-pub mod rewards;
+mod power;
 pub(super) mod inverse_action_rules;
 pub(super) mod slips;
 pub(super) mod tally;

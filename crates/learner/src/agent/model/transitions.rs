@@ -80,16 +80,6 @@ impl Transitions {
         evidence.slips()
     }
 
-    /// Returns true if moves slip and slips do not explain the outcomes of some pair. Then several cells
-    /// share its percept.
-    pub fn is_refuted(&self) -> bool {
-        let mut tried = self.tried.iter();
-        let unexplained = |&(percept, action): &(usize, Action)| {
-            self.outcomes(percept, action).leads_to == Leads::Elsewhere
-        };
-        self.slips.any() && tried.any(unexplained)
-    }
-
     /// Updates the slip estimate; returns true if it changed. A collision costs more than a `step`.
     pub fn update_slips(&mut self, step: f64) -> bool {
         let slips = self.estimated_slips(step);

@@ -1,7 +1,4 @@
-//! Planners: prioritised sweeping over percepts, RTDP-Bel over beliefs, and exploration.
+//! Planners over percepts: prioritised sweeping, and planned exploration.
 
 pub mod exploration;
-pub mod frontier;
-pub mod rtdp_bel;
-mod simulation;
 pub mod sweeping;

@@ -10,9 +10,9 @@ use table::Table;
 use traces::Traces;
 
 use crate::agent::credit::params::Params;
+use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::model::transitions::{Transition, Transitions};
-use crate::agent::policy::explorer::Explorer;
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit};
 use xcs::PredictionArray;
 use xcs::random::Stream;
@@ -51,7 +51,7 @@ pub struct Tabular {
     table: Table,
     /// The present percept.
     percept: Option<Percept>,
-    /// The last step. Its successor is not known yet.
+    /// The last step, until it is learned.
     pending: Option<Transition>,
 }
 
@@ -106,9 +106,6 @@ impl Tabular {
 
 impl Agent for Tabular {
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
-        if !matches!(self.algorithm, Algorithm::SarsaLambda(_)) {
-            self.learn(Some(*percept), None);
-        }
         self.percept = Some(*percept);
         self.table.values(percept)
     }
@@ -118,38 +115,41 @@ impl Agent for Tabular {
         Choice::by(DecisionSource::Table, action, explores)
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+    fn update(&mut self, action: Action, outcome: Outcome, next: Option<&Percept>) -> StepCredit {
         let percept = self.percept.expect("`observe` is called before `update`");
-        if matches!(self.algorithm, Algorithm::SarsaLambda(_)) {
+        let is_sarsa = matches!(self.algorithm, Algorithm::SarsaLambda(_));
+        if is_sarsa {
             self.learn(Some(percept), Some(action));
         }
         let short_term_reward = self.params.short_term(outcome);
+        let goal = if outcome == Outcome::ReachedGoal {
+            self.params.goal
+        } else {
+            0.0
+        };
         self.pending = Some(Transition {
             percept,
             action,
-            reward: short_term_reward,
+            reward: short_term_reward + goal,
             next: None,
         });
+        // Sarsa learns a step when the next action is known.
+        if !is_sarsa || next.is_none() {
+            self.learn(next.copied(), None);
+        }
         StepCredit {
             short_term_reward,
             ..StepCredit::default()
         }
     }
 
-    /// Ends the episode. The percept after the last step of a failure is never perceived, so that
-    /// step is not learned.
+    /// Ends the episode. Sarsa does not learn the last step before a step limit, because no action follows.
     fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
-        let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
-        if reached_goal {
-            self.pending
-                .iter_mut()
-                .for_each(|last| last.reward += long_term_reward);
-            self.learn(None, None);
-        }
         self.pending = None;
         if let Algorithm::SarsaLambda(traces) = &mut self.algorithm {
             traces.clear();
         }
+        let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
         EndCredit::new(long_term_reward, self.own.alpha)
     }
 

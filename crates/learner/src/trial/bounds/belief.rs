@@ -4,8 +4,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::agent::model::pomdp::{GOAL, Pomdp};
 use xcs::Action;
+use xcscr_robot::sensor::Sensor;
+use xcscr_robot::world::{Cell, Maze};
 
 /// States in ascending order, with equal percepts. A state can occur several times.
 type Set = Vec<u32>;
@@ -16,45 +17,104 @@ const MOST_MOVES: usize = 10_000_000;
 /// The maximum number of states in the sets with stored costs.
 const MOST_STORED: usize = 2_000_000;
 
-/// Returns the mean steps over the starts; `None` if there are too many sets.
-pub fn steps(pomdp: &Pomdp, starts: &[u32], seen: &[f64]) -> Option<f64> {
-    let firsts = split(pomdp, starts.to_vec());
-    let mut search = Search {
-        pomdp,
-        seen,
-        costs: BTreeMap::new(),
-        moves: 0,
-        stored: 0,
-    };
-    loop {
-        let mut visited = BTreeSet::new();
-        let mut changed = false;
-        for first in &firsts {
-            if !visited.contains(first) {
-                changed |= search.improve(first, &mut visited)?;
-            }
-        }
-        if !changed {
-            break;
-        }
-    }
-    let total = firsts
-        .iter()
-        .map(|first| search.cost(first) * first.len() as f64);
-    Some(total.sum::<f64>() / starts.len() as f64)
+/// The successor of a state at a goal.
+const GOAL: u32 = u32::MAX;
+
+/// The true world: its states are the free cells that are not goals.
+pub struct KnownWorld {
+    actions: usize,
+    /// By state: a number that is equal for equal percepts.
+    percepts: Vec<u32>,
+    /// By state and action: the next state, or [`GOAL`].
+    next: Vec<u32>,
+    starts: Set,
+    /// By state: its cost under full observability, a lower bound of its cost.
+    full: Vec<f64>,
 }
 
-/// Groups states by percept.
-fn split(pomdp: &Pomdp, mut states: Set) -> Vec<Set> {
-    states.sort_unstable_by_key(|&state| (pomdp.look(state), state));
-    let aliased = states.chunk_by(|&a, &b| pomdp.look(a) == pomdp.look(b));
-    aliased.map(<[u32]>::to_vec).collect()
+impl KnownWorld {
+    /// Creates the world of these cells, in reading order. `full` are their costs if the cell is always known.
+    pub fn new(maze: &Maze, sensor: Sensor, cells: &[Cell], full: Vec<f64>) -> Self {
+        let place = |cell: &Cell| (cell.row, cell.col);
+        let state = |cell: Cell| {
+            let at = cells.binary_search_by_key(&place(&cell), place);
+            at.expect("every free cell but the goals is a state") as u32
+        };
+        let mut numbers = BTreeMap::new();
+        let percepts = cells.iter().map(|&cell| {
+            let next = numbers.len() as u32;
+            *numbers
+                .entry(sensor.perceive_at(maze, cell))
+                .or_insert(next)
+        });
+        let percepts = percepts.collect();
+        let actions = maze.action_count();
+        let next = |(from, action): (Cell, Action)| {
+            let direction = maze.direction(action);
+            match direction.and_then(|direction| maze.step(from, direction)) {
+                None => state(from),
+                Some(cell) if maze.is_goal(cell) => GOAL,
+                Some(cell) => state(cell),
+            }
+        };
+        let pairs = cells
+            .iter()
+            .flat_map(|&cell| Action::all(actions).map(move |action| (cell, action)));
+        let starts = maze
+            .start_cells()
+            .into_iter()
+            .filter(|&cell| !maze.is_goal(cell));
+        Self {
+            actions,
+            percepts,
+            next: pairs.map(next).collect(),
+            starts: starts.map(state).collect(),
+            full,
+        }
+    }
+
+    /// Returns the mean steps over the starts; `None` if there are too many sets.
+    pub fn steps(&self) -> Option<f64> {
+        let firsts = self.split(self.starts.clone());
+        let mut search = Search {
+            world: self,
+            costs: BTreeMap::new(),
+            moves: 0,
+            stored: 0,
+        };
+        loop {
+            let mut visited = BTreeSet::new();
+            let mut changed = false;
+            for first in &firsts {
+                if !visited.contains(first) {
+                    changed |= search.improve(first, &mut visited)?;
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        let total = firsts
+            .iter()
+            .map(|first| search.cost(first) * first.len() as f64);
+        Some(total.sum::<f64>() / self.starts.len() as f64)
+    }
+
+    fn next(&self, state: u32, action: Action) -> u32 {
+        self.next[state as usize * self.actions + action.index()]
+    }
+
+    /// Groups states by percept.
+    fn split(&self, mut states: Set) -> Vec<Set> {
+        let percept = |state: u32| self.percepts[state as usize];
+        states.sort_unstable_by_key(|&state| (percept(state), state));
+        let aliased = states.chunk_by(|&a, &b| percept(a) == percept(b));
+        aliased.map(<[u32]>::to_vec).collect()
+    }
 }
 
 struct Search<'a> {
-    pomdp: &'a Pomdp,
-    /// By state: its cost under full observability, a lower bound of its cost.
-    seen: &'a [f64],
+    world: &'a KnownWorld,
     costs: BTreeMap<Set, f64>,
     moves: usize,
     stored: usize,
@@ -65,7 +125,10 @@ impl Search<'_> {
     /// bound.
     fn cost(&self, set: &Set) -> f64 {
         self.costs.get(set).copied().unwrap_or_else(|| {
-            let sum: f64 = set.iter().map(|&state| self.seen[state as usize]).sum();
+            let sum: f64 = set
+                .iter()
+                .map(|&state| self.world.full[state as usize])
+                .sum();
             sum / set.len() as f64
         })
     }
@@ -94,7 +157,7 @@ impl Search<'_> {
     fn visit(&mut self, set: &Set, visited: &mut BTreeSet<Set>) -> Option<(Set, Vec<Set>)> {
         visited.insert(set.clone());
         // The set is evaluated now, and again when its successors are settled.
-        self.moves += 2 * set.len() * self.pomdp.actions();
+        self.moves += 2 * set.len() * self.world.actions;
         if self.moves > MOST_MOVES || self.stored > MOST_STORED {
             return None;
         }
@@ -117,11 +180,11 @@ impl Search<'_> {
     /// Returns the least cost over the actions, and the sets that the action leads to.
     fn best(&self, set: &Set) -> (f64, Vec<Set>) {
         let after = |action: Action| {
-            let next = set.iter().map(|&state| self.pomdp.next(state, action));
+            let next = set.iter().map(|&state| self.world.next(state, action));
             next.filter(|&next| next != GOAL).collect::<Set>()
         };
-        let weighed = Action::all(self.pomdp.actions()).map(|action| {
-            let sets = split(self.pomdp, after(action));
+        let weighed = Action::all(self.world.actions).map(|action| {
+            let sets = self.world.split(after(action));
             let sum: f64 = sets
                 .iter()
                 .map(|next| self.cost(next) * next.len() as f64)

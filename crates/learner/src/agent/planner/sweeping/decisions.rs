@@ -1,4 +1,4 @@
-//! The decisions of a plan: action values, and labelled examples for rules.
+//! The decisions of a plan: action values, and the best actions for the replay.
 
 use crate::agent::model::transitions::Transitions;
 use crate::agent::planner::sweeping::PlannedValues;
@@ -68,7 +68,6 @@ impl PlannedValues {
         LabelledExample {
             percept: model.percepts()[percept],
             best,
-            value: value + self.floor(),
         }
     }
 }
