@@ -340,7 +340,7 @@ fn mistakes_of_the_senses_are_counted_and_there_are_none_without_noise() {
             .method(Method::QLearning)
             .sensor(sensor);
         plan.config.settings.physics.noise = noise;
-        plan.episodes(30).run().unwrap().progress().mistakes
+        plan.episodes(90).run().unwrap().progress().mistakes
     };
     let noisy = mistakes(5.0, Sensor::Lidar);
     assert!(noisy.observation_error > 0, "{noisy:?}");
