@@ -1,6 +1,8 @@
 //! A lock on a folder that allows only one process to work in it.
 
+use std::collections::hash_map::RandomState;
 use std::fs::{self, File, OpenOptions, TryLockError};
+use std::hash::{BuildHasher, Hasher};
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
@@ -8,7 +10,8 @@ use std::time::Duration;
 
 use crate::error::{Error, ErrorKind};
 
-/// The name of the lock file. It contains the process id of the holder.
+/// The name of the lock file. It contains the process id of the holder, and a number that differs
+/// between two locks.
 pub const LOCK: &str = "run.lock";
 /// The most bytes that are read of a lock file.
 const MOST_BYTES: u64 = 64;
@@ -17,11 +20,21 @@ const TRIES: usize = 50;
 /// Pause between two attempts.
 const PAUSE: Duration = Duration::from_millis(5);
 
+/// Error codes of file systems without locks: ENOSYS, ENOTSUP, ENOLCK.
+#[cfg(target_os = "linux")]
+const WITHOUT_LOCKS: [i32; 3] = [38, 95, 37];
+#[cfg(target_os = "macos")]
+const WITHOUT_LOCKS: [i32; 3] = [78, 45, 77];
+#[cfg(not(any(target_os = "linux", target_os = "macos")))]
+const WITHOUT_LOCKS: [i32; 0] = [];
+
 /// Exclusive use of a folder by this process, until the lock is dropped. The operating system
 /// releases the lock when the process ends, so a lock file left by a killed process blocks nobody.
+/// A file system without locks protects nothing: the caller is then responsible.
 #[derive(Debug)]
 pub struct FolderLock {
-    file: File,
+    /// The locked file; `None` on a file system without locks.
+    file: Option<File>,
     path: PathBuf,
 }
 
@@ -37,16 +50,8 @@ impl FolderLock {
         for _ in 0..TRIES {
             let file = open(&path).map_err(&fault)?;
             match file.try_lock() {
-                Err(TryLockError::Error(cause)) if !has_no_locks(&cause) => {
-                    return Err(fault(cause));
-                }
-                // Without locks, the file only shows that a process works here.
-                Ok(()) | Err(TryLockError::Error(_)) => {
-                    let mut lock = Self {
-                        file,
-                        path: path.clone(),
-                    };
-                    if lock.sign().map_err(&fault)? {
+                Ok(()) => {
+                    if let Some(lock) = Self::signed(file, &path).map_err(&fault)? {
                         return Ok(lock);
                     }
                 }
@@ -56,6 +61,10 @@ impl FolderLock {
                         break;
                     }
                 }
+                Err(TryLockError::Error(cause)) if has_no_locks(&cause) => {
+                    return Ok(Self { file: None, path });
+                }
+                Err(TryLockError::Error(cause)) => return Err(fault(cause)),
             }
             sleep(PAUSE);
         }
@@ -67,33 +76,38 @@ impl FolderLock {
         Err(ErrorKind::CannotCreate.error(message))
     }
 
-    /// Writes the process id into the lock file. Returns false if the previous holder has removed
-    /// the file in the meantime: another process may then lock a new file.
-    fn sign(&mut self) -> io::Result<bool> {
-        let pid = std::process::id();
-        self.file.set_len(0)?;
-        self.file.rewind()?;
-        writeln!(self.file, "{pid}")?;
-        Ok(pid_in(&self.path)? == Some(pid))
+    /// Writes the process id into a locked file. Returns `None` if the previous holder has removed
+    /// this file in the meantime. The file at `path` may then be the lock of another process, which
+    /// must stay.
+    fn signed(mut file: File, path: &Path) -> io::Result<Option<Self>> {
+        let number = RandomState::new().build_hasher().finish();
+        let signature = format!("{}\n{number}\n", std::process::id());
+        file.set_len(0)?;
+        file.rewind()?;
+        file.write_all(signature.as_bytes())?;
+        let is_current = contents(path)?.is_some_and(|text| text == signature);
+        Ok(is_current.then(|| Self {
+            file: Some(file),
+            path: path.to_owned(),
+        }))
     }
 }
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
-        // A lock file that cannot be removed is harmless: the lock ends with the process.
-        let _ = fs::remove_file(&self.path);
-        let _ = self.file.unlock();
+        if let Some(file) = &self.file {
+            // A lock file that cannot be removed is harmless: the lock ends with the process.
+            let _ = fs::remove_file(&self.path);
+            let _ = file.unlock();
+        }
     }
 }
 
-/// Returns true if the error is that of a file system without locks, such as Lustre's default.
+/// Returns true for the error of a file system that has no locks, such as Lustre without `flock`.
 fn has_no_locks(cause: &io::Error) -> bool {
-    /// The code of "no locks available".
-    #[cfg(target_os = "linux")]
-    const NO_LOCKS: Option<i32> = Some(37);
-    #[cfg(not(target_os = "linux"))]
-    const NO_LOCKS: Option<i32> = Some(77);
-    cause.kind() == io::ErrorKind::Unsupported || cause.raw_os_error() == NO_LOCKS
+    let code = cause.raw_os_error();
+    cause.kind() == io::ErrorKind::Unsupported
+        || code.is_some_and(|code| WITHOUT_LOCKS.contains(&code))
 }
 
 /// Opens or creates the lock file. Never follows a link.
@@ -116,8 +130,14 @@ pub fn is_foreign_lock(path: &Path) -> bool {
 
 /// Returns the process id in a lock file; `None` if there is no id or no file.
 fn pid_in(path: &Path) -> io::Result<Option<u32>> {
+    let text = contents(path)?.unwrap_or_default();
+    Ok(text.lines().next().and_then(|line| line.parse().ok()))
+}
+
+/// Returns the text of a lock file; `None` if there is no such file, or it has other contents.
+fn contents(path: &Path) -> io::Result<Option<String>> {
     match super::read_text(path, MOST_BYTES) {
-        Ok(text) => Ok(text.trim().parse().ok()),
+        Ok(text) => Ok(Some(text)),
         Err(cause) => match cause.kind() {
             io::ErrorKind::NotFound | io::ErrorKind::InvalidData | io::ErrorKind::FileTooLarge => {
                 Ok(None)
@@ -127,15 +147,41 @@ fn pid_in(path: &Path) -> io::Result<Option<u32>> {
     }
 }
 
-#[cfg(all(test, target_os = "linux"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 
+    fn acquire(folder: &Path) -> Result<FolderLock, Error> {
+        FolderLock::acquire(folder, crate::disk::cannot_create(folder))
+    }
+
     #[test]
-    fn a_file_system_without_locks_is_told_from_a_fault() {
-        // ENOSYS, EOPNOTSUPP and ENOLCK; then EIO, EACCES and ENOSPC.
-        let is_lockless = |code: &i32| has_no_locks(&io::Error::from_raw_os_error(*code));
-        assert!([38, 95, 37].iter().all(is_lockless));
-        assert!(![5, 13, 28].iter().any(is_lockless));
+    fn a_lock_on_a_removed_file_leaves_the_lock_of_the_next_holder() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(LOCK);
+        let first = acquire(folder.path()).unwrap();
+        let late = open(&path).unwrap();
+        drop(first);
+        let holder = acquire(folder.path()).unwrap();
+        late.try_lock().unwrap();
+        assert!(FolderLock::signed(late, &path).unwrap().is_none());
+        assert!(path.exists(), "the holder's file is removed");
+        acquire(folder.path()).unwrap_err();
+        // Control: the lock ends with its holder, and leaves no file.
+        drop(holder);
+        drop(acquire(folder.path()).unwrap());
+        assert!(!path.exists());
+    }
+
+    #[cfg(any(target_os = "linux", target_os = "macos"))]
+    #[test]
+    fn only_the_errors_of_a_file_system_without_locks_count_as_such() {
+        for code in WITHOUT_LOCKS {
+            assert!(has_no_locks(&io::Error::from_raw_os_error(code)), "{code}");
+        }
+        // EIO, EACCES and ENOSPC.
+        for code in [5, 13, 28] {
+            assert!(!has_no_locks(&io::Error::from_raw_os_error(code)), "{code}");
+        }
     }
 }
