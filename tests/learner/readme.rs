@@ -1,5 +1,5 @@
 //! What the pages say about the paper's methods follows from `assets/results/`: each file there is
-//! the `summary.json` of a study, `paper.json` and `ablation.json` of the presets with these names,
+//! the `summary.json` of a study, `paper.json` and `ablation.json` of the presets with these names at commit 8ff3eb65,
 //! `paper-physics.json` of `xcscr study run paper --arena physics`, the others of the study files that
 //! lie beside them.
 
