@@ -92,7 +92,7 @@ def smallest_of_dtcontrol(program, decisions):
 
 def compare(xcscr, world, seed, dtcontrol):
     with tempfile.TemporaryDirectory() as folder:
-        what = ["--arena", "grid", "--record", "none", "--quiet", "--json", "--set", "plus.estimator=percept"]
+        what = ["--arena", "grid", "--record", "none", "--quiet", "--json"]
         command = [xcscr, "train", world, *what, "--seed", str(seed), "--out", f"{folder}/run"]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         rules = json.loads(Path(f"{folder}/run/rules.json").read_text())["percept-rules"]["rules"]

@@ -1,5 +1,5 @@
-/* Decides for all 65,536 percepts of 16 bits, or with a memory in episodes on its own charts, and prints
-   a checksum (CRC-16) of the actions: on an AVR through its serial port, elsewhere to standard output. */
+/* Decides for all 65,536 percepts of 16 bits, and prints a checksum (CRC-16) of the actions: on an AVR
+   through its serial port, elsewhere to standard output. */
 #include "policy.h"
 
 #if defined(__AVR__)
@@ -55,40 +55,6 @@ static uint16_t followed(uint16_t crc, uint8_t byte)
     return crc;
 }
 
-#if defined(XCSCR_STATES)
-static uint16_t drawn(uint16_t below)
-{
-    static uint32_t seed = 1;
-    seed = seed * 1664525u + 1013904223u;
-    return (uint16_t)((seed >> 16) % below);
-}
-
-/* 200 episodes; one percept in 16 has a wrong bit. */
-static uint16_t decided(uint16_t crc)
-{
-    static struct xcscr_tracker tracker;
-    uint8_t episode;
-
-    for (episode = 0; episode < 200; episode++) {
-        uint16_t at = drawn(XCSCR_STATES);
-        uint8_t step;
-        int bumped = 0;
-        xcscr_reset(&tracker);
-        for (step = 0; step < 50 && at != XCSCR_GOAL; step++) {
-            const uint16_t wrong = drawn(16) == 0 ? (uint16_t)(1u << drawn(16)) : 0;
-            const uint16_t percept = xcscr_state(at).percept ^ wrong;
-            const uint16_t before = at;
-            crc = followed(crc, (uint8_t)xcscr_perceive(&tracker, percept, bumped, 0));
-            if (tracker.action == XCSCR_NO_ACTION) {
-                tracker.action = (int8_t)drawn(XCSCR_ACTIONS);
-            }
-            at = xcscr_state(at).next[tracker.action];
-            bumped = at == before;
-        }
-    }
-    return crc;
-}
-#else
 static uint16_t decided(uint16_t crc)
 {
     uint32_t word;
@@ -99,7 +65,6 @@ static uint16_t decided(uint16_t crc)
     }
     return crc;
 }
-#endif
 
 int main(void)
 {

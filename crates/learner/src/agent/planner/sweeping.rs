@@ -43,8 +43,7 @@ const UPDATES_FOR_ODDS: usize = 1_024;
 const MOST_ENTRIES: usize = 4;
 
 /// The value of each percept under the best policy over known pairs, by prioritised sweeping (Moore and Atkeson
-/// 1993). The model changes in every step, so that values are updated one by one; on a map, which changes once in an
-/// episode, [`Pomdp::costs_when_seen`](crate::agent::model::pomdp::Pomdp::costs_when_seen) computes all of them. A change propagates backward, greatest values first, and only to values that depend on it. Known pairs are
+/// 1993). The model changes in every step, so that values are updated one by one. A change propagates backward, greatest values first, and only to values that depend on it. Known pairs are
 /// the tried pairs and, until they are tried, the predicted returns of moves. Exploration does not try predicted
 /// returns, so the examples must rely on them.
 ///
