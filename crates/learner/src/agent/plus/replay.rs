@@ -7,8 +7,11 @@ use xcs::{Action, LabelledExample, LabelledExamples, Layout, MatchSet, Xcs};
 const UPDATES: usize = 30;
 /// The number of known percepts that are checked after each step, in turn.
 const CHECKS_PER_STEP: usize = 64;
-/// The maximum number of rounds of replay at the end of an episode, and of guided covering after them.
-const ROUNDS: usize = 4;
+/// The maximum number of rounds of replay at the end of an episode.
+const REPLAY_ROUNDS: usize = 4;
+/// The maximum number of rounds of guided covering after them. A correction can make another percept wrong, so that in
+/// a maze of long corridors 4 rounds were too few.
+const COVERING_ROUNDS: usize = 16;
 /// The number of percepts that guided covering generalises at the end of an episode, whether they are decided rightly
 /// or not. With fewer, more rules are needed: 17 in place of 14 in Maze5 with 2.
 const GENERALISED: usize = 8;
@@ -99,7 +102,7 @@ impl Replay {
         if self.is_idle() {
             return;
         }
-        for _ in 0..ROUNDS {
+        for _ in 0..REPLAY_ROUNDS {
             for number in self.check_all(xcs) {
                 for _ in 0..UPDATES {
                     if !self.is_right(xcs, number) {
@@ -116,7 +119,7 @@ impl Replay {
                 self.generalise(xcs, number);
             }
         }
-        for _ in 0..ROUNDS {
+        for _ in 0..COVERING_ROUNDS {
             for number in self.known.clone() {
                 if !self.is_sure(xcs, number) {
                     self.correct(xcs, number);
@@ -200,15 +203,22 @@ impl Replay {
         let Some(example) = self.examples.get(number).copied() else {
             return;
         };
+        // General rules that are wrong here must show their error first, or else they subsume the new rules.
+        self.update_all_actions(xcs, &example);
         Action::all(xcs.actions()).for_each(|action| self.cover(xcs, number, action));
         for _ in 0..UPDATES {
             if self.is_sure(xcs, number) {
                 return;
             }
-            for action in Action::all(xcs.actions()) {
-                let set = xcs.matching_action_set(&example.percept, action);
-                xcs.update(&set, self.payoff(&example, action), self.params.beta);
-            }
+            self.update_all_actions(xcs, &example);
+        }
+    }
+
+    /// Updates the rules of every action in a percept toward their payoffs, without the GA.
+    fn update_all_actions(&self, xcs: &mut Xcs, example: &LabelledExample) {
+        for action in Action::all(xcs.actions()) {
+            let set = xcs.matching_action_set(&example.percept, action);
+            xcs.update(&set, self.payoff(example, action), self.params.beta);
         }
     }
 
