@@ -98,8 +98,7 @@ const ROOM: &str = r########"{ "moves": 8, "rows": [
 ] }"########;
 
 #[test]
-fn xcscr_plus_takes_at_most_a_tenth_more_steps_than_r_max_and_without_generalisation_it_takes_more()
-{
+fn xcscr_plus_takes_about_the_steps_of_r_max_and_without_generalisation_it_takes_more() {
     let maze = Maze::from_json(ROOM.as_bytes(), "room.json").unwrap();
     let plan = |method| {
         let plan = gridded(maze.clone(), method).episodes(200);
@@ -116,6 +115,6 @@ fn xcscr_plus_takes_at_most_a_tenth_more_steps_than_r_max_and_without_generalisa
         median_steps(&trials)
     });
     let steps = format!("{ours} steps; R-max {with}, without generalisation {without}");
-    assert!(10 * ours <= 11 * with, "{steps}");
+    assert!(20 * ours <= 21 * with, "{steps}");
     assert!(2 * without > 3 * with, "control: {steps}");
 }

@@ -135,7 +135,7 @@ fn few(knowledge: &Knowledge, plan: &Plan) -> Compacted {
 
 #[test]
 fn a_few_of_the_rules_keep_all_decisions() {
-    for (maze, most) in [("maze4", 12), ("maze5", 19), ("maze6", 15)] {
+    for (maze, most) in [("maze4", 10), ("maze5", 16), ("maze6", 12)] {
         let rules = (1..=5).map(|seed| {
             let trial = learned(plan(maze, seed));
             let few = few(&trial.knowledge, &trial.plan);
@@ -149,11 +149,19 @@ fn a_few_of_the_rules_keep_all_decisions() {
 }
 
 #[test]
-fn an_optimum_that_was_found_in_maze4_is_never_lost_again_in_95_of_100_trials() {
+fn an_optimum_that_was_found_in_maze4_is_never_lost_again_in_99_of_100_trials() {
     let never_lost = (1..=100).filter(|&seed| {
         let progress = &learned(plan("maze4", seed)).progress;
         progress.optimal_share_after_first() == Some(1.0)
     });
     let kept = never_lost.count();
-    assert!(kept >= 95, "{kept} of 100");
+    assert!(kept >= 99, "{kept} of 100");
+}
+
+/// With this seed, rules that match everything once absorbed the rules of guided covering after each episode.
+#[test]
+fn rules_that_match_everything_do_not_absorb_the_rules_of_guided_covering() {
+    let trial = learned(plan("maze4", 6451829872818907));
+    let progress = &trial.progress;
+    assert!(progress.optimal, "{progress:?}");
 }

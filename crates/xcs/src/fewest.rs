@@ -1,5 +1,8 @@
 //! The fewest rules that keep all decisions.
 
+use std::cmp::Reverse;
+use std::collections::BTreeSet;
+
 use crate::classifier::Classifier;
 use crate::population::Population;
 use crate::prediction::{PredictionArray, PredictionSums};
@@ -9,13 +12,15 @@ use crate::signal::{Action, Percept};
 /// nearly so ([`PredictionArray::is_nearly_best`]).
 ///
 /// Chooses rules that are right wherever they match, the one that covers the most percepts first. Percepts without such
-/// a rule get the fittest rule of a chosen action, or else all rules that match. Then drops every rule without which no
-/// decision changes, least fit first. A percept in which no rule has a value is ignored. The rules keep their statistics.
+/// a rule get rules of a chosen action, the fittest first, or else all rules that match. Then drops every rule without which no
+/// decision changes, least general first, and exchanges two rules or more for one where this changes no decision. A
+/// percept in which no rule has a value is ignored. The rules keep their statistics.
 pub fn fewest_rules(population: &Population, percepts: &[Percept], actions: usize) -> Population {
     let task = Task::new(population, percepts, actions);
     let mut kept = task.cover();
     task.complete(&mut kept);
-    task.drop_redundant(&mut kept);
+    task.drop_redundant(&mut kept, 0..population.rules().len());
+    task.exchange(&mut kept);
     let rules = population.rules().iter().zip(kept);
     let rules: Vec<Classifier> = rules
         .filter(|(_, kept)| *kept)
@@ -93,35 +98,62 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// Adds rules until all decisions are kept: the fittest rule of a chosen action of a percept, then all that match it.
+    /// Adds rules to percepts whose decision is not kept, one by one: first those of a chosen action, the fittest first.
     fn complete(&self, kept: &mut [bool]) {
-        for at in 0..self.decisions.len() {
-            if !self.keeps_decision(at, kept) {
-                let chosen = self.matching[at].iter().copied();
-                let chosen = chosen.filter(|&rule| self.chooses(at, self.rules[rule].action));
-                let fittest =
-                    chosen.max_by(|&a, &b| self.rules[a].fitness.total_cmp(&self.rules[b].fitness));
-                fittest.into_iter().for_each(|rule| kept[rule] = true);
-            }
-        }
         while let Some(at) = (0..self.decisions.len()).find(|&at| !self.keeps_decision(at, kept)) {
-            self.matching[at].iter().for_each(|&rule| kept[rule] = true);
+            let missing = self.matching[at]
+                .iter()
+                .copied()
+                .filter(|&rule| !kept[rule]);
+            let next = missing.max_by(|&a, &b| {
+                let [a, b] = [a, b].map(|rule| &self.rules[rule]);
+                let by_choice = self.chooses(at, a.action).cmp(&self.chooses(at, b.action));
+                by_choice.then(a.fitness.total_cmp(&b.fitness))
+            });
+            // With all rules that match, the decision is kept but for rounding.
+            let Some(next) = next else { return };
+            kept[next] = true;
         }
     }
 
-    /// Drops every rule without which no decision changes, least fit first.
-    fn drop_redundant(&self, kept: &mut [bool]) {
-        let mut order: Vec<usize> = (0..self.rules.len()).filter(|&rule| kept[rule]).collect();
+    /// Adds one more rule wherever at least two others become redundant by it.
+    fn exchange(&self, kept: &mut Vec<bool>) {
+        let mut candidates: Vec<usize> = (0..self.rules.len())
+            .filter(|&rule| self.is_right(rule))
+            .collect();
+        candidates.sort_by_key(|&rule| Reverse(self.matched[rule].len()));
+        for rule in candidates {
+            let among = self.matched[rule].iter().flat_map(|&at| &self.matching[at]);
+            let overlapping: BTreeSet<usize> =
+                among.copied().filter(|&other| kept[other]).collect();
+            if kept[rule] || overlapping.len() < 2 {
+                continue;
+            }
+            let mut tried = kept.clone();
+            tried[rule] = true;
+            if self.drop_redundant(&mut tried, overlapping) > 1 {
+                *kept = tried;
+            }
+        }
+    }
+
+    /// Drops every one of `rules` without which no decision changes: the one that matches the fewest percepts first,
+    /// then the least fit. Returns their number.
+    fn drop_redundant(&self, kept: &mut [bool], rules: impl IntoIterator<Item = usize>) -> usize {
+        let mut order: Vec<usize> = rules.into_iter().filter(|&rule| kept[rule]).collect();
         order.sort_by(|&a, &b| {
             let by_percepts = self.matched[a].len().cmp(&self.matched[b].len());
             by_percepts.then(self.rules[a].fitness.total_cmp(&self.rules[b].fitness))
         });
+        let mut dropped = 0;
         for rule in order {
             kept[rule] = false;
             kept[rule] = !self.matched[rule]
                 .iter()
                 .all(|&at| self.keeps_decision(at, kept));
+            dropped += usize::from(!kept[rule]);
         }
+        dropped
     }
 
     /// Returns true if the action of a rule is one of the chosen ones in each percept that the rule matches.
@@ -144,5 +176,62 @@ impl<'a> Task<'a> {
         let values = sums.array(self.actions, false);
         let mut chosen = values.best_actions();
         values.greatest().is_some() && chosen.all(|action| self.chooses(at, action))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::Params;
+
+    /// Returns a rule that matches the percepts whose bit `at` of `width` bits is set.
+    fn rule(at: usize, width: usize, fitness: f64) -> Classifier {
+        let condition: String = (0..width)
+            .map(|bit| if bit == at { '1' } else { '#' })
+            .collect();
+        let action = Action::new(0).unwrap();
+        let rule = Classifier::new(condition.parse().unwrap(), action, 0, &Params::default());
+        Classifier {
+            prediction: 1000.0,
+            fitness,
+            ..rule
+        }
+    }
+
+    /// The first rule covers the most percepts, so that it is chosen first, and the second is fitter than the fourth.
+    /// With the first two rules, four rules are needed; with the fourth in place of them, three are enough.
+    #[test]
+    fn one_rule_replaces_two_where_no_decision_changes() {
+        let matched: [&[usize]; 5] = [
+            &[1, 2, 3, 4, 5],
+            &[4, 6, 7],
+            &[1, 2, 8],
+            &[4, 5, 6, 7],
+            &[3, 9, 10],
+        ];
+        let fitness = [1.0, 0.9, 0.8, 0.1, 0.8];
+        let rules: Vec<Classifier> = (0..5).map(|at| rule(at, 5, fitness[at])).collect();
+        let population = Population::try_from(rules).unwrap();
+        let percept =
+            |number: usize| Percept::from_bits(matched.map(|set| set.contains(&number))).unwrap();
+        let percepts: Vec<Percept> = (1..=10).map(percept).collect();
+
+        let fewest = fewest_rules(&population, &percepts, 1);
+        let kept: Vec<String> = fewest
+            .rules()
+            .iter()
+            .map(|rule| rule.condition.to_string())
+            .collect();
+        assert_eq!(kept, ["##1##", "###1#", "####1"]);
+
+        let task = Task::new(&population, &percepts, 1);
+        let mut kept = task.cover();
+        task.complete(&mut kept);
+        task.drop_redundant(&mut kept, 0..5);
+        assert_eq!(
+            kept,
+            [true, true, true, false, true],
+            "control: without exchanges"
+        );
     }
 }

@@ -255,12 +255,20 @@ impl<C: Representation> Xcs<C> {
         (micro, if fitness > 0.0 { error / fitness } else { 0.0 })
     }
 
-    /// Updates the rules of \[A\] toward the payoff `target` at learning rate `beta` (UPDATE SET).
-    ///
-    /// Updates experience, then error (Eq. 2) and prediction (Eq. 1, whose printed sign is wrong)
-    /// in the order of [`UpdateOrder`], then set size and fitness. Finally runs action-set
+    /// Updates the rules of \[A\] toward the payoff `target` at learning rate `beta` (UPDATE SET), and runs action-set
     /// subsumption.
     pub fn update(&mut self, set: &ActionSet<C>, target: f64, beta: f64) {
+        self.update_statistics(set, target, beta);
+        if self.params.action_set_subsumption {
+            self.subsume_in_action_set(set);
+        }
+    }
+
+    /// Updates the rules of \[A\] without action-set subsumption.
+    ///
+    /// Updates experience, then error (Eq. 2) and prediction (Eq. 1, whose printed sign is wrong)
+    /// in the order of [`UpdateOrder`], then set size and fitness.
+    pub fn update_statistics(&mut self, set: &ActionSet<C>, target: f64, beta: f64) {
         let micro: u32 = self
             .population
             .living(set.members())
@@ -295,9 +303,6 @@ impl<C: Representation> Xcs<C> {
                 rule.fitness += beta * (share(rule) / total - rule.fitness);
                 rule.fitness = rule.fitness.max(f64::MIN_POSITIVE);
             });
-        }
-        if self.params.action_set_subsumption {
-            self.subsume_in_action_set(set);
         }
     }
 

@@ -219,7 +219,7 @@ impl EnvironmentLearner {
         // Estimates change in every step, so that they are replayed once in an episode.
         if !self.progress.varies {
             self.replay.learn(self.known.news(&self.model));
-            self.replay.after_step(&mut self.xcs);
+            self.replay.after_step(&mut self.xcs, next);
         }
         if next.is_none() {
             self.end_episode();

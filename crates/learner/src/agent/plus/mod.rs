@@ -83,7 +83,7 @@ impl Agent for XcscrPlus {
         let credit = self.credit.update(action, outcome, next);
         self.model.learn(&percept, action, outcome, next);
         self.replay.learn(self.model.examples());
-        self.replay.after_step(self.credit.xcs_mut());
+        self.replay.after_step(self.credit.xcs_mut(), next);
         credit
     }
 

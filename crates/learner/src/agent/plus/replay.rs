@@ -1,7 +1,7 @@
 //! Replay: imprinting (Alg. 4) with a plan in place of \[PS\], and guided covering.
 
 use xcs::random::Stream;
-use xcs::{Action, LabelledExample, LabelledExamples, Layout, MatchSet, Xcs};
+use xcs::{Action, LabelledExample, LabelledExamples, Layout, MatchSet, Percept, Xcs};
 
 /// The number of replayed updates after each step, and at the end of an episode for each percept in each round.
 const UPDATES: usize = 30;
@@ -77,8 +77,9 @@ impl Replay {
         }
     }
 
-    /// Replays updates after a step: in percepts that are decided wrongly, or else in any known percept.
-    pub fn after_step(&mut self, xcs: &mut Xcs) {
+    /// Replays updates after a step: in percepts that are decided wrongly, or else in any known percept. If the `next`
+    /// percept is still decided wrongly, guided covering corrects it.
+    pub fn after_step(&mut self, xcs: &mut Xcs, next: Option<&Percept>) {
         if self.is_idle() {
             return;
         }
@@ -92,6 +93,14 @@ impl Replay {
             if let Some(&number) = self.stream.choose(among) {
                 self.replay_any_action(xcs, number);
             }
+        }
+        let is_next = |&&number: &&usize| {
+            let example = self.examples.get(number);
+            example.is_some_and(|example| Some(&example.percept) == next)
+        };
+        let next = self.wrong.iter().find(is_next).copied();
+        if let Some(next) = next.filter(|&next| self.params.covers && !self.is_right(xcs, next)) {
+            self.correct(xcs, next);
         }
     }
 
@@ -198,27 +207,31 @@ impl Replay {
     }
 
     /// Adds the most general correct rule for each action of a percept, and updates the other rules there until they
-    /// have lost their weight.
+    /// have lost their weight. After each update follows one in a random known percept. Without it, a general rule that
+    /// is wrong in other percepts looks accurate after many updates in this one.
     fn correct(&mut self, xcs: &mut Xcs, number: usize) {
         let Some(example) = self.examples.get(number).copied() else {
             return;
         };
-        // General rules that are wrong here must show their error first, or else they subsume the new rules.
-        self.update_all_actions(xcs, &example);
         Action::all(xcs.actions()).for_each(|action| self.cover(xcs, number, action));
         for _ in 0..UPDATES {
             if self.is_sure(xcs, number) {
                 return;
             }
             self.update_all_actions(xcs, &example);
+            let other = self.stream.choose(&self.known);
+            let other = other.and_then(|&number| self.examples.get(number).copied());
+            other
+                .iter()
+                .for_each(|other| self.update_all_actions(xcs, other));
         }
     }
 
-    /// Updates the rules of every action in a percept toward their payoffs, without the GA.
+    /// Updates the rules of every action in a percept toward their payoffs, without subsumption and without the GA.
     fn update_all_actions(&self, xcs: &mut Xcs, example: &LabelledExample) {
         for action in Action::all(xcs.actions()) {
             let set = xcs.matching_action_set(&example.percept, action);
-            xcs.update(&set, self.payoff(example, action), self.params.beta);
+            xcs.update_statistics(&set, self.payoff(example, action), self.params.beta);
         }
     }
 
@@ -273,15 +286,17 @@ mod tests {
     #[test]
     fn guided_covering_decides_every_known_percept_rightly_where_replay_alone_does_not() {
         assert_eq!(decided_rightly(PARAMS), 64);
-        let alone = decided_rightly(ReplayParams {
+        let without_covering = ReplayParams {
             covers: false,
             ..PARAMS
-        });
+        };
+        let alone = decided_rightly(without_covering);
         assert!((1..64).contains(&alone), "control: {alone} of 64");
-        let off = decided_rightly(ReplayParams {
+        let without_replay = ReplayParams {
             replays: false,
             ..PARAMS
-        });
+        };
+        let off = decided_rightly(without_replay);
         assert_eq!(off, 0, "control: no replay");
     }
 }
