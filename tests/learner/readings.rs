@@ -5,7 +5,9 @@ use xcscr::agent::{Agent, Method, Setup, StackEvolution, StepLimitUpdate, XcsPay
 use xcscr::arena::Outcome;
 use xcscr::streams::StreamName;
 use xcscr::xcs::random::Stream;
-use xcscr::xcs::{self, Action, GaClock, MatchSet, Percept, SubsumerTies, UpdateOrder, Xcs};
+use xcscr::xcs::{
+    self, Action, GaClock, MatchSet, Percept, RateScope, SubsumerTies, UpdateOrder, Xcs,
+};
 
 const BUMP: Outcome = Outcome::Collided { impulse_ns: None };
 
@@ -58,18 +60,54 @@ fn values(method: &dyn Agent, bits: &str) -> f64 {
     method.values(&percept(bits)).get(action(0)).unwrap()
 }
 
+/// Returns prediction and error of a new rule after each of these payoffs, learned at `rate`.
+fn after_payoffs(
+    payoffs: [f64; 2],
+    rate: f64,
+    read: impl FnOnce(&mut xcs::Params),
+) -> [(f64, f64); 2] {
+    let mut xcs = learner(1, read);
+    let mut set = MatchSet::default();
+    xcs.form_match_set(&percept("01"), &mut set);
+    let set = set.action_set(action(0)).unwrap();
+    payoffs.map(|payoff| {
+        xcs.update(&set, payoff, rate);
+        let rules = xcs.population().rules();
+        let rule = rules.iter().find(|rule| rule.action == action(0)).unwrap();
+        (rule.prediction, rule.error)
+    })
+}
+
+#[test]
+fn a_young_rule_predicts_the_mean_of_its_payoffs_or_learns_at_beta_from_the_first() {
+    let found = |mean| {
+        after_payoffs([1000.0, 500.0], 0.2, |params| {
+            params.mean_while_young = mean
+        })
+    };
+    assert_eq!(found(true), [(1000.0, 1000.0), (750.0, 750.0)]);
+    // 0.2 x 1000, and 200 + 0.2 x (500 - 200); the errors are 1000 and 300.
+    assert_eq!(found(false), [(200.0, 200.0), (260.0, 220.0)]);
+}
+
+#[test]
+fn a_switched_rate_drives_all_statistics_or_only_the_prediction() {
+    let found = |scope| {
+        after_payoffs([1000.0, 1000.0], 0.05, |params| {
+            (params.mean_while_young, params.rate_scope, params.beta) = (false, scope, 0.5);
+        })
+    };
+    // 0.05 x 1000, and 50 + 0.05 x (950 - 50).
+    assert_eq!(found(RateScope::All), [(50.0, 50.0), (97.5, 95.0)]);
+    // 0.5 x 1000, and 500 + 0.5 x (950 - 500).
+    assert_eq!(found(RateScope::Prediction), [(50.0, 500.0), (97.5, 725.0)]);
+}
+
 #[test]
 fn the_first_payoff_is_an_error_only_if_the_error_is_updated_before_the_prediction() {
     let after_two_payoffs = |update_order| {
-        let mut xcs = learner(1, |params| params.update_order = update_order);
-        let mut set = MatchSet::default();
-        xcs.form_match_set(&percept("01"), &mut set);
-        let set = set.action_set(action(0)).unwrap();
-        [1000.0, 500.0].map(|payoff| {
-            xcs.update(&set, payoff, 0.2);
-            let rules = xcs.population().rules();
-            let rule = rules.iter().find(|rule| rule.action == action(0)).unwrap();
-            (rule.prediction, rule.error)
+        after_payoffs([1000.0, 500.0], 0.2, |params| {
+            params.update_order = update_order
         })
     };
     // |1000 - 0| = 1000; then the mean of 1000 and |500 - 1000|.

@@ -3,7 +3,7 @@
 use super::classifier::Classifier;
 use super::condition::Condition;
 use super::ga::{self, Parent};
-use super::params::{GaClock, Params, SubsumerTies, UpdateOrder};
+use super::params::{GaClock, Params, RateScope, SubsumerTies, UpdateOrder};
 use super::population::{MOST_STEPS, Population};
 use super::prediction::PredictionArray;
 use super::representation::Representation;
@@ -275,6 +275,10 @@ impl<C: Representation> Xcs<C> {
             .map(|(_, rule)| rule.numerosity)
             .sum();
         let params = &self.params;
+        let other_beta = match params.rate_scope {
+            RateScope::All => beta,
+            RateScope::Prediction => params.beta,
+        };
         // With extreme settings all accuracies are 0. All rules then have equal weight.
         let accuracy = |rule: &Classifier<C>| rule.accuracy(params).max(f64::MIN_POSITIVE);
         let share = |rule: &Classifier<C>| accuracy(rule) * f64::from(rule.numerosity);
@@ -284,23 +288,26 @@ impl<C: Representation> Xcs<C> {
                 continue;
             };
             rule.experience = rule.experience.saturating_add(1);
-            // While the rule is young, this is the mean of all payoffs so far.
-            let rate = beta.max(1.0 / f64::from(rule.experience));
+            let least = match params.mean_while_young {
+                true => 1.0 / f64::from(rule.experience),
+                false => 0.0,
+            };
+            let (rate, other_rate) = (beta.max(least), other_beta.max(least));
             let old_prediction = rule.prediction;
             rule.prediction += rate * (target - old_prediction);
             let prediction = match params.update_order {
                 UpdateOrder::ErrorFirst => old_prediction,
                 UpdateOrder::PredictionFirst => rule.prediction,
             };
-            rule.error += rate * ((target - prediction).abs() - rule.error);
-            rule.set_size += rate * (f64::from(micro) - rule.set_size);
+            rule.error += other_rate * ((target - prediction).abs() - rule.error);
+            rule.set_size += other_rate * (f64::from(micro) - rule.set_size);
             total += share(rule);
         }
         // Fitness moves toward the relative accuracy kappa' (Eq. 4 and 5, which are printed
         // without numerosities and with a wrong sign).
         for &id in &set.members {
             self.population.modify(id, |rule| {
-                rule.fitness += beta * (share(rule) / total - rule.fitness);
+                rule.fitness += other_beta * (share(rule) / total - rule.fitness);
                 rule.fitness = rule.fitness.max(f64::MIN_POSITIVE);
             });
         }

@@ -90,7 +90,7 @@ pub use labelled_examples::{LabelledExample, LabelledExamples};
 pub use layout::Layout;
 pub use learner::Xcs;
 pub use match_index::MatchIndex;
-pub use params::{GaClock, Params, SubsumerTies, UpdateOrder};
+pub use params::{GaClock, Params, RateScope, SubsumerTies, UpdateOrder};
 pub use population::{Population, PopulationError};
 pub use prediction::{PredictionArray, PredictionSums};
 pub use ranges::NumberRange;

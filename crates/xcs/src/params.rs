@@ -41,6 +41,17 @@ pub enum GaClock {
     EvolvingSteps,
 }
 
+/// The statistics of a rule that learn at the rate of an update, where that rate differs from `xcs.beta`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RateScope {
+    /// Prediction, error, set size and fitness.
+    All,
+    /// Only the prediction (paper, section III-C: learning-rate switching changes beta of Eq. 1). All other statistics
+    /// learn at `xcs.beta`.
+    Prediction,
+}
+
 settings! {
     section "xcs";
 
@@ -94,6 +105,12 @@ settings! {
         /// Whether a rule's error (`error-first`) or its prediction (`prediction-first`) is updated
         /// first.
         update_order: UpdateOrder = UpdateOrder::ErrorFirst;
+        /// While a rule is young, make its statistics the means of its payoffs (MAM: the rate is at least 1 divided by
+        /// the experience; Butz and Wilson 2001). Eq. 1 of the paper has no such term.
+        mean_while_young: bool = true;
+        /// Which statistics of a rule learn at a switched rate, such as `reward.beta_failure`. `all`: prediction, error,
+        /// set size and fitness. `prediction`: only the prediction.
+        rate_scope: RateScope = RateScope::All;
         /// Which of several equally general rules subsumes the others of \[A\]. `first`: the first
         /// one in \[P\]. `random`: each further rule replaces the choice with probability 1/2.
         subsumer_ties: SubsumerTies = SubsumerTies::First;
