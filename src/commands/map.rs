@@ -1,9 +1,10 @@
-//! `xcscr map`: draws the policy over the maze.
+//! `xcscr map`: draws the policy, or the value of every action, over the maze.
 
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
 use xcscr::disk;
+use xcscr::picture::Look;
 use xcscr::run::{Rerun, RunFolder, Source};
 use xcscr::trial::Plan;
 
@@ -18,7 +19,11 @@ pub struct MapArgs {
     /// Picture to write: .svg or .png.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Show the policy after this episode [default: that of the recording, or the last].
+    /// Draw the value (the paper's worth) of every action. Without an episode, draw three stages of learning: the
+    /// first episode, the next one that reaches the goal, and the last.
+    #[arg(long)]
+    worth: bool,
+    /// Show what was learned after this episode [default: that of the recording, or the last].
     #[arg(long, value_name = "N")]
     episode: Option<u32>,
     /// Replace the picture if it exists.
@@ -33,12 +38,16 @@ enum Kind {
     Png,
 }
 
-/// Repeats the trial and draws the policy.
+/// Repeats the trial and draws what was learned.
 pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let kind = Kind::of(&args.output)?;
     let file = OutputFile::free(&args.output, args.force)?;
     let (plan, shown) = plan(args)?;
-    let picture = Rerun::training(plan).picture(args.episode.or(shown))?;
+    let look = match args.worth {
+        true => Look::ActionValues,
+        false => Look::Policy,
+    };
+    let picture = Rerun::training(plan).picture(args.episode.or(shown), look)?;
     let picture = match kind {
         Kind::Svg => picture.svg().into_bytes(),
         Kind::Png => picture.png()?,

@@ -261,6 +261,13 @@ impl TrainReport {
             writeln!(out, "Watch how it learned, in a browser:")?;
             write_link("", &file_link(&page), out)?;
         }
+        if let Some(picture) = RunFolder::open(&self.folder).picture() {
+            writeln!(
+                out,
+                "The value of every action, at three stages of learning:"
+            )?;
+            write_link("", &file_link(&picture), out)?;
+        }
         Ok(writeln!(
             out,
             "In Foxglove or Lichtblick:\n  xcscr replay {typed}"

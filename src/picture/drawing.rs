@@ -5,14 +5,14 @@ use std::collections::BTreeSet;
 use super::colours::{NO_GOAL, css, shade};
 use super::policy_picture::{Moment, PolicyPicture};
 use super::svg::{Drawing, Element, SCALE, decimals, short};
-use crate::world::{Cell, Direction, Maze, Paths};
+use crate::world::{Cell, Direction, Maze};
 
-const PAPER: u32 = 0xffffff;
-const INK: u32 = 0x1d2430;
-const FAINT: u32 = 0x5d6675;
+pub(super) const PAPER: u32 = 0xffffff;
+pub(super) const INK: u32 = 0x1d2430;
+pub(super) const FAINT: u32 = 0x5d6675;
 const GRID: u32 = 0xd9dee6;
 const WALL: u32 = 0x3d4757;
-const VISITED: u32 = 0xd3d8e0;
+pub(super) const VISITED: u32 = 0xd3d8e0;
 const SLIPPERY: u32 = 0xe0f0fb;
 /// Pale, so that arrows far from the goal are visible on it.
 const START: u32 = 0xfdf0cf;
@@ -23,13 +23,13 @@ const PATH: u32 = 0x9cc3f5;
 const NONE: u32 = 0xb9c0cc;
 
 /// The outline of an arrow of length 1 that points east, with its tail at the origin.
-const ARROW: &str = "<path id=\"a\" \
+pub(super) const ARROW: &str = "<path id=\"a\" \
     d=\"M0 -0.07L0.58 -0.07L0.58 -0.24L1 0L0.58 0.24L0.58 0.07L0 0.07z\"/>";
 
 /// Margin around the picture, in pixels.
-const MARGIN: f64 = 16.0;
+pub(super) const MARGIN: f64 = 16.0;
 /// Height of the title and caption above the maze.
-const HEAD: f64 = 62.0;
+pub(super) const HEAD: f64 = 62.0;
 /// Height of the legend below the maze.
 const FOOT: f64 = 90.0;
 /// Least width that fits the text.
@@ -39,76 +39,80 @@ const CELL: f64 = 64.0;
 const MOST: f64 = 1280.0;
 
 /// Positions of the cells in the picture.
-struct Plane<'a> {
-    maze: &'a Maze,
-    cell: f64,
-    left: f64,
-    width: f64,
-    height: f64,
+pub(super) struct Plane<'a> {
+    pub maze: &'a Maze,
+    /// Edge of a cell, in pixels.
+    pub cell: f64,
+    /// The left edge of the maze, in pixels.
+    pub left: f64,
 }
 
 /// Draws a picture of a policy.
 pub(super) fn draw(picture: &PolicyPicture) -> Drawing {
-    let plane = Plane::new(&picture.maze);
-    let mut elements = plane.ground();
-    elements.extend(plane.episode(&picture.moment, &picture.paths));
-    elements.extend(plane.labels(picture));
+    let maze = &picture.maze;
+    let cell = cell_px(maze, 1);
+    let maze_px = f64::from(maze.width()) * cell;
+    let width = (maze_px + 2.0 * MARGIN).max(LEAST_WIDTH);
+    let height = HEAD + f64::from(maze.height()) * cell + FOOT;
+    let left = ((width - maze_px) / 2.0).floor();
+    let plane = Plane { maze, cell, left };
+    let moment = &picture.moments[0];
+    let mut elements = vec![block(0.0, 0.0, width, height, PAPER)];
+    elements.extend(plane.ground());
+    elements.extend(plane.episode(moment));
+    elements.push(words(MARGIN, 26.0, 17.0, INK, &picture.title));
+    let caption = moment.caption(maze, &picture.paths);
+    elements.push(words(MARGIN, 46.0, 13.0, FAINT, caption));
+    elements.extend(legend(height - FOOT));
     Drawing {
-        width: plane.width as u32,
-        height: plane.height as u32,
+        width: width as u32,
+        height: height as u32,
         title: picture.title.clone(),
         definitions: ARROW,
         elements,
     }
 }
 
-impl<'a> Plane<'a> {
-    fn new(maze: &'a Maze) -> Self {
-        let (cols, rows) = (f64::from(maze.width()), f64::from(maze.height()));
-        let cell = (MOST / cols.max(rows)).floor().clamp(3.0, CELL);
-        let width = (cols * cell + 2.0 * MARGIN).max(LEAST_WIDTH);
-        Self {
-            maze,
-            cell,
-            left: ((width - cols * cell) / 2.0).floor(),
-            width,
-            height: HEAD + rows * cell + FOOT,
-        }
-    }
+/// Returns the edge of a cell, in pixels, for pictures of `panels` mazes side by side.
+pub(super) fn cell_px(maze: &Maze, panels: usize) -> f64 {
+    let (cols, rows) = (usize::from(maze.width()), usize::from(maze.height()));
+    let most = MOST / (cols * panels).max(rows) as f64;
+    most.floor().clamp(3.0, CELL)
+}
 
-    fn corner(&self, cell: Cell) -> (f64, f64) {
+impl Plane<'_> {
+    pub fn corner(&self, cell: Cell) -> (f64, f64) {
         (
             self.left + f64::from(cell.col) * self.cell,
             HEAD + f64::from(cell.row) * self.cell,
         )
     }
 
-    fn centre(&self, cell: Cell) -> (f64, f64) {
+    pub fn centre(&self, cell: Cell) -> (f64, f64) {
         let (left, top) = self.corner(cell);
         (left + self.cell / 2.0, top + self.cell / 2.0)
     }
 
     /// Returns the square of a cell, smaller by `inset` on each side.
-    fn tile(&self, cell: Cell, inset: f64, fill: u32) -> Element {
+    pub fn tile(&self, cell: Cell, inset: f64, fill: u32) -> Element {
         let (left, top) = self.corner(cell);
         let edge = self.cell - 2.0 * inset;
         block(left + inset, top + inset, edge, edge, fill)
     }
 
-    /// Paper, floor and walls.
-    fn ground(&self) -> Vec<Element> {
+    /// Returns walls and floor.
+    pub fn ground(&self) -> Vec<Element> {
         let maze = self.maze;
-        let mut shapes = vec![block(0.0, 0.0, self.width, self.height, PAPER)];
         let (cols, rows) = (f64::from(maze.width()), f64::from(maze.height()));
         let (wide, high) = (cols * self.cell, rows * self.cell);
-        shapes.push(block(self.left, HEAD, wide, high, WALL));
+        let mut shapes = vec![block(self.left, HEAD, wide, high, WALL)];
         let cells = maze.free_cells();
         shapes.extend(cells.map(|cell| self.tile(cell, 0.0, GRID)));
         shapes
     }
 
-    /// Returns visited cells, path, arrows and caption.
-    fn episode(&self, frame: &Moment, paths: &Paths) -> Vec<Element> {
+    /// Returns visited cells, path and arrows, and the letters of marked cells.
+    fn episode(&self, frame: &Moment) -> Vec<Element> {
         let mut shapes = Vec::new();
         let visited = frame.visited.iter().map(|&cell| self.maze.index(cell));
         let visited: BTreeSet<usize> = visited.collect();
@@ -126,8 +130,7 @@ impl<'a> Plane<'a> {
         let path = frame.greedy_path.iter().map(|&cell| self.centre(cell));
         shapes.push(path_line(&path.collect::<Vec<_>>(), 0.12 * self.cell));
         shapes.extend(self.arrows(frame));
-        let caption = frame.caption(self.maze, paths);
-        shapes.push(words(MARGIN, 46.0, 13.0, FAINT, caption));
+        shapes.extend(self.letters());
         shapes
     }
 
@@ -161,41 +164,37 @@ impl<'a> Plane<'a> {
         start.into_iter().chain(goals).chain(paying)
     }
 
-    /// Returns the letters of marked cells, the title and the legend.
-    fn labels(&self, picture: &PolicyPicture) -> Vec<Element> {
-        let letter = |(cell, _, text)| {
+    /// Returns the letters of marked cells.
+    pub fn letters(&self) -> impl Iterator<Item = Element> {
+        self.marked().map(|(cell, _, text)| {
             let (left, top) = self.corner(cell);
             let size = 0.24 * self.cell;
             words(left + 0.1 * self.cell, top + 1.25 * size, size, INK, text)
-        };
-        let mut shapes: Vec<Element> = self.marked().map(letter).collect();
-        shapes.push(words(MARGIN, 26.0, 17.0, INK, &picture.title));
-        shapes.extend(self.legend());
-        shapes
-    }
-
-    fn legend(&self) -> Vec<Element> {
-        let first = self.height - FOOT + 26.0;
-        let second = first + 24.0;
-        let sample =
-            |x: f64, y: f64, share: f64| arrow((x, y - 4.5), Direction::East, 26.0, shade(share));
-        let says = |x: f64, y: f64, text: &str| words(x, y, 12.0, INK, text);
-        let path = vec![(288.0, first - 4.5), (308.0, first - 4.5)];
-        vec![
-            sample(MARGIN, first, 1.0),
-            says(50.0, first, "near the goal"),
-            sample(152.0, first, 0.0),
-            says(186.0, first, "far from it"),
-            path_line(&path, 7.0),
-            says(320.0, first, "greedy path: the best actions"),
-            block(MARGIN + 4.0, second - 13.0, 17.0, 17.0, VISITED),
-            says(50.0, second, "visited in this episode"),
-            says(226.0, second, "long: best action; grey: leads to no goal"),
-        ]
+        })
     }
 }
 
-fn block(left: f64, top: f64, width: f64, height: f64, fill: u32) -> Element {
+fn legend(top: f64) -> Vec<Element> {
+    let first = top + 26.0;
+    let second = first + 24.0;
+    let sample =
+        |x: f64, y: f64, share: f64| arrow((x, y - 4.5), Direction::East, 26.0, shade(share));
+    let says = |x: f64, y: f64, text: &str| words(x, y, 12.0, INK, text);
+    let path = vec![(288.0, first - 4.5), (308.0, first - 4.5)];
+    vec![
+        sample(MARGIN, first, 1.0),
+        says(50.0, first, "near the goal"),
+        sample(152.0, first, 0.0),
+        says(186.0, first, "far from it"),
+        path_line(&path, 7.0),
+        says(320.0, first, "greedy path: the best actions"),
+        block(MARGIN + 4.0, second - 13.0, 17.0, 17.0, VISITED),
+        says(50.0, second, "visited in this episode"),
+        says(226.0, second, "long: best action; grey: leads to no goal"),
+    ]
+}
+
+pub(super) fn block(left: f64, top: f64, width: f64, height: f64, fill: u32) -> Element {
     let lengths = [left, top, width, height].map(short);
     let [x, y, width, height] = lengths;
     let attributes = [
@@ -225,7 +224,7 @@ fn path_line(points: &[(f64, f64)], width: f64) -> Element {
 }
 
 /// Draws an arrow. An arrow of length 0 is invisible.
-fn arrow((x, y): (f64, f64), direction: Direction, length: f64, fill: u32) -> Element {
+pub(super) fn arrow((x, y): (f64, f64), direction: Direction, length: f64, fill: u32) -> Element {
     let eighths = Direction::CLOCKWISE
         .iter()
         .position(|&one| one == direction);
@@ -240,7 +239,7 @@ fn arrow((x, y): (f64, f64), direction: Direction, length: f64, fill: u32) -> El
 }
 
 /// Writes text that begins at a point on its baseline.
-fn words(x: f64, y: f64, size: f64, colour: u32, text: impl Into<String>) -> Element {
+pub(super) fn words(x: f64, y: f64, size: f64, colour: u32, text: impl Into<String>) -> Element {
     let attributes = [
         ("x", short(x)),
         ("y", short(y)),

@@ -1,5 +1,7 @@
-//! Pictures of the policy over the maze (Figure 5 of the paper).
+//! Pictures of the policy over the maze, and of the values behind it (Figures 2 and 5 of the paper).
 
+mod action_values;
+mod camera;
 mod colours;
 mod drawing;
 mod map_preview;
@@ -7,7 +9,8 @@ mod pixels;
 mod policy_picture;
 mod svg;
 
+pub(crate) use camera::{Camera, Stages};
 pub(crate) use colours::{NO_GOAL, SCALE, css};
 pub use map_preview::map_preview;
 pub(crate) use pixels::{FONT, png};
-pub use policy_picture::PolicyPicture;
+pub use policy_picture::{Look, PolicyPicture};

@@ -1,13 +1,11 @@
 //! A picture of the policy after an episode.
 
-use std::ops::ControlFlow;
-
-use super::{drawing, pixels};
+use super::camera::{Camera, Stages};
+use super::{action_values, drawing, pixels};
 use crate::agent::Knowledge;
-use crate::arena::View;
-use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
+use crate::episode::{Ending, Episode, Observer, PolicyMap};
 use crate::error::{Error, ErrorKind};
-use crate::trial::{Judge, Plan, steps_to_goal};
+use crate::trial::{Plan, steps_to_goal};
 use crate::world::{Cell, Maze, Paths};
 
 /// The most cells of a maze that is drawn. The SVG of such a maze takes 145 MB.
@@ -30,18 +28,29 @@ pub(super) struct Moment {
     pub visited: Vec<Cell>,
 }
 
-/// A picture of the policy over the maze. The same picture gives the same bytes.
+/// What a picture shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Look {
+    /// The policy after one episode.
+    Policy,
+    /// The value of every action, at up to three stages of learning (Figures 2 and 5 of the paper).
+    ActionValues,
+}
+
+/// A picture of the policy over the maze, or of the values behind it. The same picture gives the same bytes.
 #[derive(Debug, Clone)]
 pub struct PolicyPicture {
     pub(super) maze: Maze,
     pub(super) title: String,
     pub(super) paths: Paths,
-    pub(super) moment: Moment,
+    pub(super) look: Look,
+    /// At least one.
+    pub(super) moments: Vec<Moment>,
 }
 
 impl PolicyPicture {
-    /// Looks at the policy after an episode, or after the last one, while `watch` repeats the run of the
-    /// plan for an observer, as far as needed.
+    /// Looks at the policy after an episode, while `watch` repeats the run of the plan for an observer, as far as
+    /// needed. Without an episode, looks at the last one or, for action values, at the [stages](Stages) of learning.
     ///
     /// # Errors
     /// When the run has no such episode, when the maze has more than a million cells, and the errors of
@@ -49,36 +58,34 @@ impl PolicyPicture {
     pub(crate) fn of(
         plan: &Plan,
         after: Option<u32>,
+        look: Look,
         watch: impl FnOnce(&mut dyn Observer) -> Result<Knowledge, Error>,
     ) -> Result<Self, Error> {
         let instead = "`xcscr rules RUN --cell COL,ROW` shows what was learned in one cell";
         check_size(&plan.maze, MOST_CELLS, "drawn", instead)?;
         let episodes = plan.config.episodes;
         let last = after.unwrap_or(episodes);
-        let missing = || {
+        if !(1..=episodes).contains(&last) {
             let message = format!("there is no episode {last}: the run has {episodes}");
-            ErrorKind::Usage.error(message)
-        };
-        let mut camera = Camera::new(last, plan);
-        if (1..=episodes).contains(&last) {
-            // The camera ends the run.
-            watch(&mut camera)?;
+            return Err(ErrorKind::Usage.error(message));
         }
-        let moment = camera.moment.ok_or_else(missing)?;
-        let config = &plan.config;
-        let (world, method) = (plan.maze.name(), config.method.name());
-        let (arena, seed) = (config.arena.name(), config.seed);
-        Ok(Self {
-            maze: plan.maze.clone(),
-            title: format!("{world}: {method} on {arena}, seed {seed}"),
-            paths: camera.judge.paths().clone(),
-            moment,
-        })
+        let stages = match (look, after) {
+            (Look::ActionValues, None) => Stages::OfLearning { last },
+            _ => Stages::After(last),
+        };
+        let mut camera = Camera::new(stages, plan);
+        // The camera ends the run.
+        watch(&mut camera)?;
+        Ok(camera.picture(plan, look))
     }
 
     /// Renders an SVG document.
     pub fn svg(&self) -> String {
-        drawing::draw(self).document()
+        let drawing = match self.look {
+            Look::Policy => drawing::draw(self),
+            Look::ActionValues => action_values::draw(self),
+        };
+        drawing.document()
     }
 
     /// Renders a PNG file.
@@ -109,66 +116,9 @@ fn check_size(maze: &Maze, most: usize, done: &str, instead: &str) -> Result<(),
     )))
 }
 
-/// An observer that looks at the policy after an episode.
-struct Camera {
-    last: u32,
-    judge: Judge,
-    visited: Vec<Cell>,
-    moment: Option<Moment>,
-}
-
-impl Camera {
-    fn new(last: u32, plan: &Plan) -> Self {
-        let Plan { maze, config } = plan;
-        Self {
-            last,
-            judge: Judge::new(maze, config.sensor, config.settings.arena.slip),
-            visited: Vec::new(),
-            moment: None,
-        }
-    }
-}
-
-impl Observer for Camera {
-    fn began(&mut self, _: u32, view: &View<'_>) {
-        self.visited = vec![view.cell];
-    }
-
-    fn stepped(&mut self, step: &Step<'_>) {
-        self.visited.push(step.view.cell);
-    }
-
-    fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
-        if episode.episode != self.last {
-            return ControlFlow::Continue(());
-        }
-        let (method, sensor, maze) = (learned.method, learned.sensor, learned.view.maze);
-        let policy = PolicyMap::of(method, sensor, maze);
-        let from = self.visited[0];
-        self.moment = Some(Moment {
-            episode: *episode,
-            greedy_path: policy.greedy_path(maze, from),
-            policy,
-            optimal: self.judge.is_optimal(method, maze),
-            visited: std::mem::take(&mut self.visited),
-        });
-        ControlFlow::Break(())
-    }
-}
-
 impl Moment {
     /// The caption below the title.
     pub(super) fn caption(&self, maze: &Maze, paths: &Paths) -> String {
-        let Episode {
-            episode,
-            steps,
-            ending,
-            ..
-        } = self.episode;
-        let how = match ending {
-            Ending::Goal => "to the goal",
-            Ending::StepLimit => "and gave up",
-        };
         let from = self.visited[0];
         let shortest = paths.distance(maze, from);
         let greedy = match steps_to_goal(&self.greedy_path, maze) {
@@ -182,7 +132,18 @@ impl Moment {
             true => "; the policy is optimal",
             false => "",
         };
-        format!("episode {episode}: {steps} steps {how}; greedy path now: {greedy}{verdict}")
+        let result = self.result();
+        format!("{result}; greedy path now: {greedy}{verdict}")
+    }
+
+    /// The number and the result of the episode.
+    pub(super) fn result(&self) -> String {
+        let Episode { episode, steps, .. } = self.episode;
+        let how = match self.episode.ending {
+            Ending::Goal => "to the goal",
+            Ending::StepLimit => "and gave up",
+        };
+        format!("episode {episode}: {steps} steps {how}")
     }
 }
 
@@ -202,7 +163,7 @@ mod tests {
     }
 
     fn drawn(plan: Plan) -> Result<PolicyPicture, Error> {
-        PolicyPicture::of(&plan, None, |camera| {
+        PolicyPicture::of(&plan, None, Look::Policy, |camera| {
             let mut trial = Trial::new(plan.clone())?;
             let _ = trial.run(camera);
             Ok(trial.method().knowledge())
@@ -238,6 +199,6 @@ mod tests {
     fn control_a_small_maze_is_drawn() {
         let plan = Plan::new(hall(40, 5)).arena(ArenaKind::Grid).episodes(1);
         let picture = drawn(plan).unwrap();
-        assert_eq!(picture.moment.episode.episode, 1);
+        assert_eq!(picture.moments[0].episode.episode, 1);
     }
 }

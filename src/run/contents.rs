@@ -18,6 +18,8 @@ pub(super) const CONFIG: &str = "config.json";
 pub(super) const RULES: &str = "rules.json";
 /// The page that plays the run.
 pub(super) const PAGE: &str = "replay.html";
+/// The picture of the action values at three stages of learning.
+pub(super) const WORTH: &str = "worth.svg";
 /// The files of recordings apart from numbered episodes.
 const RECORDINGS: [&str; 4] = [
     "run.mcap",
@@ -111,13 +113,13 @@ pub(super) fn is_of_a_run(name: &str) -> bool {
         .and_then(|rest| rest.strip_suffix(".mcap"));
     let is_number = |text: &str| text.len() >= 4 && text.bytes().all(|b| b.is_ascii_digit());
     number.is_some_and(is_number)
-        || [WORLD, CONFIG, RULES, UNFINISHED].contains(&whole)
+        || [WORLD, CONFIG, RULES, WORTH, UNFINISHED].contains(&whole)
         || RECORDINGS.contains(&whole)
 }
 
 /// Returns true if only a training writes a file of this name.
 pub(super) fn is_of_a_training(name: &str) -> bool {
-    [WORLD, CONFIG, RULES, UNFINISHED].contains(&name)
+    [WORLD, CONFIG, RULES, WORTH, UNFINISHED].contains(&name)
 }
 
 #[cfg(test)]

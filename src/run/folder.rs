@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-use super::contents::{CONFIG, Contents, PAGE, RULES, WORLD, file_names, is_of_a_run};
+use super::contents::{CONFIG, Contents, PAGE, RULES, WORLD, WORTH, file_names, is_of_a_run};
 use super::error;
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK};
@@ -178,6 +178,20 @@ impl RunFolder {
     /// An error of the file system.
     pub fn save_page(&self, page: &str) -> Result<(), Error> {
         self.write(PAGE, page.as_bytes())
+    }
+
+    /// Saves the picture of the action values.
+    ///
+    /// # Errors
+    /// An error of the file system.
+    pub(super) fn save_picture(&self, svg: &str) -> Result<(), Error> {
+        self.write(WORTH, svg.as_bytes())
+    }
+
+    /// Returns the picture of the action values, if there is one.
+    pub fn picture(&self) -> Option<PathBuf> {
+        let picture = self.path.join(WORTH);
+        picture.is_file().then_some(picture)
     }
 
     /// Returns the page that plays the run, if there is one.

@@ -8,7 +8,7 @@ use super::facts::run_info;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::error::Error;
-use crate::picture::PolicyPicture;
+use crate::picture::{Look, PolicyPicture};
 use crate::record::{RecordMode, Recorder};
 use crate::trial::{Evaluation, Plan, Trial};
 
@@ -51,14 +51,14 @@ impl Rerun {
         Ok(knowledge.clone())
     }
 
-    /// Repeats the run as far as needed, and returns a picture of its policy after an
-    /// episode, or after the last one.
+    /// Repeats the run as far as needed, and returns a picture of its policy or its action values after an episode.
+    /// Without an episode: the policy after the last one, or the action values at three stages of learning.
     ///
     /// # Errors
     /// When the run cannot be repeated or has no such episode, or when the maze has more than a million
     /// cells.
-    pub fn picture(&self, after: Option<u32>) -> Result<PolicyPicture, Error> {
-        PolicyPicture::of(&self.plan, after, |camera| self.watch(camera))
+    pub fn picture(&self, after: Option<u32>, look: Look) -> Result<PolicyPicture, Error> {
+        PolicyPicture::of(&self.plan, after, look, |camera| self.watch(camera))
     }
 
     /// Repeats the run and records it in a folder. Returns the knowledge at the end. `observer`

@@ -9,15 +9,20 @@ use super::folder::RunFolder;
 use super::page::page_of;
 use crate::episode::Observer;
 use crate::error::{Error, ErrorKind};
+use crate::picture::{Camera, Look, Stages};
 use crate::record::resume_hint::resume_hint;
 use crate::record::{RecordMode, RecordSummary, Recorder};
 use crate::trial::Trial;
+
+/// The most cells of a maze of which a training writes the picture of the action values.
+const MOST_PICTURED_CELLS: usize = 1 << 12;
 
 /// A recorded run in progress, in a locked folder.
 pub struct Session {
     folder: RunFolder,
     trial: Trial,
     recorder: Recorder,
+    camera: Camera,
     /// The number of steps of each episode so far.
     steps: Vec<u32>,
 }
@@ -76,8 +81,11 @@ impl Session {
     }
 
     fn new(folder: RunFolder, trial: Trial, recorder: Recorder) -> Self {
+        let plan = trial.plan();
+        let last = plan.config.episodes;
         Self {
             folder,
+            camera: Camera::new(Stages::OfLearning { last }, plan),
             trial,
             recorder,
             steps: Vec::new(),
@@ -116,9 +124,15 @@ impl Session {
         let knowledge = self.trial.method().knowledge();
         self.folder.save_knowledge(&knowledge)?;
         let shows_all = matches!(mode, RecordMode::All | RecordMode::Beams);
-        if shows_all && !self.trial.plan().maze.is_too_large() {
-            let page = page_of(self.folder.path(), self.trial.plan(), &knowledge)?;
+        let plan = self.trial.plan();
+        if shows_all && !plan.maze.is_too_large() {
+            let page = page_of(self.folder.path(), plan, &knowledge)?;
             self.folder.save_page(&page)?;
+        }
+        let cells = usize::from(plan.maze.width()) * usize::from(plan.maze.height());
+        if cells <= MOST_PICTURED_CELLS && plan.config.episodes > 0 {
+            let picture = self.camera.picture(plan, Look::ActionValues);
+            self.folder.save_picture(&picture.svg())?;
         }
         self.folder.remove_unfinished()?;
         Ok(Finished {
@@ -135,7 +149,7 @@ impl Session {
         stop: &dyn Fn() -> bool,
     ) -> Result<(), Error> {
         while !self.trial.is_finished() {
-            let mut observers = (&mut self.recorder, &mut *observer);
+            let mut observers = ((&mut self.recorder, &mut self.camera), &mut *observer);
             let (episode, flow) = self.trial.run_episode(&mut observers);
             self.steps.push(episode.steps);
             self.recorder.check()?;
