@@ -4,6 +4,7 @@ mod agent;
 mod external;
 mod plan;
 mod plus;
+mod process;
 mod recording;
 mod robot;
 mod robots;

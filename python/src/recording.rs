@@ -1,6 +1,7 @@
 //! Recordings of episodes that are driven from Python.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use pyo3::prelude::*;
 use xcscr::record::RecordMode;
@@ -8,46 +9,56 @@ use xcscr::record::reader::Recording as Recorded;
 use xcscr::run::{Again, ExternalActions, ExternalEpisode, ExternalRecorder, Source, WheelSpeeds};
 
 use crate::plan::{Choice, invalid};
+use crate::process::Owner;
 
 /// A recording in progress.
-#[pyclass(unsendable, module = "xcscr._native")]
+#[pyclass(frozen, module = "xcscr._native")]
 pub struct Recording {
-    recorder: Option<ExternalRecorder>,
+    owner: Owner,
+    recorder: Mutex<Option<ExternalRecorder>>,
 }
 
 #[pymethods]
 impl Recording {
     /// Begins a recording in a missing or empty folder. `record` is a recording mode of the program.
     #[new]
-    fn new(choice: Choice, folder: PathBuf, record: &str) -> PyResult<Self> {
-        let plan = choice.plan(None, 1)?;
+    fn new(py: Python<'_>, choice: Choice, folder: PathBuf, record: &str) -> PyResult<Self> {
         let mode: RecordMode = record.parse().map_err(invalid)?;
-        let recorder = ExternalRecorder::create(&folder, &plan, mode).map_err(invalid)?;
-        let recorder = Some(recorder);
-        Ok(Self { recorder })
+        let recorder = py.detach(|| {
+            let plan = choice.plan(None, 1)?;
+            ExternalRecorder::create(&folder, &plan, mode).map_err(invalid)
+        })?;
+        Ok(Self {
+            owner: Owner::this(),
+            recorder: Mutex::new(Some(recorder)),
+        })
     }
 
     /// Repeats and records an episode: the seed of its noise, its start, its actions and their rewards. Returns the pose
     /// at the end.
     fn episode(
-        &mut self,
+        &self,
+        py: Python<'_>,
         seed: u64,
         start: (u16, u16),
         actions: Vec<usize>,
         rewards: Vec<f64>,
     ) -> PyResult<(f64, f64, f64)> {
-        self.add(ExternalEpisode {
+        let actions = ExternalActions::Moves(actions);
+        let episode = ExternalEpisode {
             seed,
             start,
-            actions: ExternalActions::Moves(actions),
+            actions,
             rewards,
-        })
+        };
+        self.add(py, episode)
     }
 
     /// Repeats and records an episode of wheel speeds, in m/s for each step of 50 ms, from a heading in radians. Returns
     /// the pose at the end.
     fn drive(
-        &mut self,
+        &self,
+        py: Python<'_>,
         seed: u64,
         start: (u16, u16),
         heading: f64,
@@ -58,31 +69,55 @@ impl Recording {
             heading_rad: heading,
             speeds_mps: speeds,
         };
-        self.add(ExternalEpisode {
+        let actions = ExternalActions::Wheels(wheels);
+        let episode = ExternalEpisode {
             seed,
             start,
-            actions: ExternalActions::Wheels(wheels),
+            actions,
             rewards,
-        })
+        };
+        self.add(py, episode)
     }
 
     /// Finishes the recording. Returns the paths of its files; none if it is closed already.
-    fn close(&mut self) -> PyResult<Vec<PathBuf>> {
-        match self.recorder.take() {
+    fn close(&self, py: Python<'_>) -> PyResult<Vec<PathBuf>> {
+        self.with(py, |recorder| match recorder.take() {
             Some(recorder) => Ok(recorder.finish().map_err(invalid)?.files),
             None => Ok(Vec::new()),
-        }
+        })
     }
 }
 
 impl Recording {
+    /// Calls `act` with the recorder, without holding Python's lock.
+    fn with<T: Send>(
+        &self,
+        py: Python<'_>,
+        act: impl FnOnce(&mut Option<ExternalRecorder>) -> PyResult<T> + Send,
+    ) -> PyResult<T> {
+        self.owner.check("the recording")?;
+        py.detach(|| act(&mut self.recorder.lock().unwrap_or_else(PoisonError::into_inner)))
+    }
+
     /// Records an episode. Returns the pose at the end.
-    fn add(&mut self, episode: ExternalEpisode) -> PyResult<(f64, f64, f64)> {
-        let closed = || invalid("the recording is closed");
-        let recorder = self.recorder.as_mut().ok_or_else(closed)?;
-        let end = recorder.record(episode).map_err(invalid)?.robot_in_map;
-        let at = end.translation;
-        Ok((at.x, at.y, end.rotation.angle()))
+    fn add(&self, py: Python<'_>, episode: ExternalEpisode) -> PyResult<(f64, f64, f64)> {
+        self.with(py, |recorder| {
+            let closed = || invalid("the recording is closed");
+            let recorder = recorder.as_mut().ok_or_else(closed)?;
+            let end = recorder.record(episode).map_err(invalid)?.robot_in_map;
+            let at = end.translation;
+            Ok((at.x, at.y, end.rotation.angle()))
+        })
+    }
+}
+
+impl Drop for Recording {
+    /// A forked process leaves the files to its parent.
+    fn drop(&mut self) {
+        if !self.owner.is_this() {
+            let recorder = self.recorder.get_mut();
+            std::mem::forget(recorder.unwrap_or_else(PoisonError::into_inner).take());
+        }
     }
 }
 

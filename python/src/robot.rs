@@ -1,5 +1,7 @@
 //! A robot in a maze, without a learner.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use pyo3::prelude::*;
 use xcs::Action;
 use xcscr_learner::trial::Plan;
@@ -9,40 +11,49 @@ use xcscr_robot::world::{Cell, Maze, Paths};
 use crate::plan::{Choice, invalid};
 
 /// A robot in a maze. Cells are `(column, row)`, counted from the north-western corner.
-#[pyclass(unsendable, module = "xcscr._native")]
+#[pyclass(frozen, module = "xcscr._native")]
 pub struct Robot {
     plan: Plan,
     paths: Paths,
-    arena: Box<dyn Arena>,
+    /// Held only by a thread that holds Python's lock.
+    arena: Mutex<Box<dyn Arena>>,
+}
+
+impl Robot {
+    fn arena(&self) -> MutexGuard<'_, Box<dyn Arena>> {
+        self.arena.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 #[pymethods]
 impl Robot {
     #[new]
-    fn new(choice: Choice) -> PyResult<Self> {
-        let plan = choice.plan(None, 1)?;
-        let arena = plan.config.build_arena(&plan.maze).map_err(invalid)?;
-        Ok(Self {
-            paths: Paths::new(&plan.maze),
-            arena,
-            plan,
+    fn new(py: Python<'_>, choice: Choice) -> PyResult<Self> {
+        py.detach(|| {
+            let plan = choice.plan(None, 1)?;
+            let arena = plan.config.build_arena(&plan.maze).map_err(invalid)?;
+            Ok(Self {
+                paths: Paths::new(&plan.maze),
+                arena: Mutex::new(arena),
+                plan,
+            })
         })
     }
 
     /// Restarts the random numbers of noise and slips from a seed.
-    fn reseed(&mut self, seed: u64) {
-        self.arena.reseed(seed);
+    fn reseed(&self, seed: u64) {
+        self.arena().reseed(seed);
     }
 
     /// Places the robot at rest in the middle of a free cell.
-    fn reset(&mut self, start: (u16, u16)) -> PyResult<()> {
+    fn reset(&self, start: (u16, u16)) -> PyResult<()> {
         let cell = free_cell(&self.plan.maze, start)?;
-        self.arena.reset(cell);
+        self.arena().reset(cell);
         Ok(())
     }
 
     /// Tries to move one cell. Returns the outcome and any auxiliary reward found.
-    fn step(&mut self, action: usize) -> PyResult<(&'static str, f64)> {
+    fn step(&self, action: usize) -> PyResult<(&'static str, f64)> {
         let action = Action::new(action).filter(|action| action.index() < self.actions());
         let action = action.ok_or_else(|| {
             invalid(format!(
@@ -50,7 +61,7 @@ impl Robot {
                 self.actions() - 1
             ))
         })?;
-        let outcome = self.arena.act(action);
+        let outcome = self.arena().act(action);
         let name = match outcome {
             Outcome::Moved => "moved",
             Outcome::FoundReward { .. } => "found-reward",
@@ -63,7 +74,7 @@ impl Robot {
 
     /// Returns the percept, one byte of 0 or 1 per bit.
     fn percept(&self) -> Vec<u8> {
-        let percept = self.plan.config.sensor.perceive(&self.arena.view());
+        let percept = self.plan.config.sensor.perceive(&self.arena().view());
         (0..percept.width())
             .map(|at| u8::from(percept.bit(at)))
             .collect()
@@ -72,7 +83,7 @@ impl Robot {
     /// Returns the pose in the map frame: x and y in metres, heading in radians from the x axis.
     #[getter]
     fn pose(&self) -> (f64, f64, f64) {
-        let pose = self.arena.view().now().robot_in_map;
+        let pose = self.arena().view().now().robot_in_map;
         (
             pose.translation.x,
             pose.translation.y,
@@ -83,14 +94,14 @@ impl Robot {
     /// Returns the robot's estimate of its cell.
     #[getter]
     fn cell(&self) -> (u16, u16) {
-        let cell = self.arena.view().cell;
+        let cell = self.arena().view().cell;
         (cell.col, cell.row)
     }
 
     /// Returns the total impulse of the collisions during the last action, in newton-seconds.
     #[getter]
     fn collision_impulse(&self) -> f64 {
-        self.arena.view().impulse_ns()
+        self.arena().view().impulse_ns()
     }
 
     /// Returns the length of the shortest path from a cell to a goal, in moves; `None` if there is

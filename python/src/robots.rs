@@ -1,7 +1,7 @@
 //! Many independent robots in copies of one maze, simulated on all cores.
 
 use std::collections::BTreeMap;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -12,6 +12,7 @@ use xcscr_robot::arena::{Arena, ArenaKind, Outcome};
 use xcscr_robot::world::{Cell, Paths};
 
 use crate::plan::{Choice, invalid};
+use crate::process::{Owner, threads};
 use crate::robot::free_cell;
 
 /// Minimum number of grid robots per thread. Simulating fewer is faster than starting a thread.
@@ -36,6 +37,7 @@ type Observed<'py> = (Bound<'py, PyBytes>, Bound<'py, PyBytes>);
 pub struct Robots {
     plan: Plan,
     paths: Paths,
+    owner: Owner,
     lanes: Mutex<Vec<Box<dyn Arena>>>,
 }
 
@@ -52,15 +54,18 @@ fn number(outcome: Outcome) -> u8 {
 }
 
 impl Robots {
-    /// Calls `act` with all robots, without holding Python's lock.
+    /// Calls `act` with all robots on the threads of this process, without holding Python's lock.
     fn with<T: Send>(
         &self,
         py: Python<'_>,
-        act: impl FnOnce(&mut Vec<Box<dyn Arena>>) -> T + Send,
-    ) -> T {
+        act: impl FnOnce(&mut Vec<Box<dyn Arena>>) -> PyResult<T> + Send,
+    ) -> PyResult<T> {
+        self.owner.check("the environment")?;
+        let threads = threads(py)?;
         py.detach(|| {
-            let lanes = self.lanes.lock();
-            act(&mut lanes.unwrap_or_else(std::sync::PoisonError::into_inner))
+            let mut lanes = self.lanes.lock().unwrap_or_else(PoisonError::into_inner);
+            let lanes: &mut Vec<_> = &mut lanes;
+            threads.install(|| act(lanes))
         })
     }
 
@@ -102,14 +107,16 @@ impl Robots {
 impl Robots {
     #[new]
     fn new(py: Python<'_>, choice: Choice, lanes: usize) -> PyResult<Self> {
-        let plan = choice.plan(None, 1)?;
-        let arena = |_| plan.config.build_arena(&plan.maze).map_err(invalid);
-        let arenas = (0..lanes).map(arena).collect::<PyResult<Vec<_>>>()?;
-        py.check_signals()?;
-        Ok(Self {
-            paths: Paths::new(&plan.maze),
-            lanes: Mutex::new(arenas),
-            plan,
+        py.detach(|| {
+            let plan = choice.plan(None, 1)?;
+            let arena = |_| plan.config.build_arena(&plan.maze).map_err(invalid);
+            let arenas = (0..lanes).map(arena).collect::<PyResult<Vec<_>>>()?;
+            Ok(Self {
+                paths: Paths::new(&plan.maze),
+                owner: Owner::this(),
+                lanes: Mutex::new(arenas),
+                plan,
+            })
         })
     }
 
@@ -120,8 +127,8 @@ impl Robots {
         self.with(py, |lanes| {
             let all = lanes.par_iter_mut().enumerate().with_min_len(least);
             all.for_each(|(lane, arena)| begin(&begins, lane, arena));
-        });
-        Ok(())
+            Ok(())
+        })
     }
 
     /// Tries to move each robot whose action is below the number of actions. Of the others, those in `begins` start an
@@ -162,13 +169,13 @@ impl Robots {
     /// Returns the percepts, one byte of 0 or 1 per bit, robot by robot. Then the facts of each robot as eight-byte floats
     /// in native byte order: column, row, x and y in metres, heading in radians, impulse in newton-seconds, and moves to
     /// the goal, or -1 without a path.
-    fn observe<'py>(&self, py: Python<'py>) -> Observed<'py> {
+    fn observe<'py>(&self, py: Python<'py>) -> PyResult<Observed<'py>> {
         let least = self.lanes_per_thread();
         let all: Vec<State> = self.with(py, |lanes| {
             let states = lanes.par_iter_mut().with_min_len(least);
-            states.map(|arena| self.state(arena)).collect()
-        });
-        as_bytes(py, all.iter())
+            Ok(states.map(|arena| self.state(arena)).collect())
+        })?;
+        Ok(as_bytes(py, all.iter()))
     }
 }
 

@@ -91,9 +91,11 @@ fn refuse_failed(folder: &StudyFolder) -> PyResult<()> {
 #[pymethods]
 impl Study {
     /// The report as text for a terminal.
-    fn report(&self) -> PyResult<String> {
-        let folder = StudyFolder::read(&self.folder).map_err(invalid)?;
-        Ok(Report::new(&folder).terminal())
+    fn report(&self, py: Python<'_>) -> PyResult<String> {
+        py.detach(|| {
+            let folder = StudyFolder::read(&self.folder).map_err(invalid)?;
+            Ok(Report::new(&folder).terminal())
+        })
     }
 
     /// Repeats the trials, and writes the table of episodes and the learning curves to the folder of the study.
