@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::panic::resume_unwind;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use pyo3::conversion::FromPyObjectOwned;
+use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use xcs::{Action, Percept, PredictionArray};
@@ -64,6 +66,33 @@ fn bits<'py>(py: Python<'py>, percept: &Percept) -> Bound<'py, PyBytes> {
     PyBytes::new(py, &bits.collect::<Vec<u8>>())
 }
 
+/// Converts what a method of an agent returned.
+fn extract<'py, T: FromPyObjectOwned<'py, Error = PyErr>>(
+    method: &str,
+    answer: &Bound<'py, PyAny>,
+    wanted: &str,
+) -> PyResult<T> {
+    let py = answer.py();
+    let is_wrong = |fault: &PyErr| {
+        fault.is_instance_of::<PyTypeError>(py)
+            || fault.is_instance_of::<PyValueError>(py)
+            || fault.is_instance_of::<PyOverflowError>(py)
+    };
+    answer.extract().map_err(|fault| match is_wrong(&fault) {
+        true => unusable(method, answer, wanted),
+        false => fault,
+    })
+}
+
+/// Returns the error for an answer that has another type, or a number out of range.
+fn unusable(method: &str, answer: &Bound<'_, PyAny>, wanted: &str) -> PyErr {
+    let text = answer.repr().map(|text| text.to_string());
+    let shown: String = text.unwrap_or_default().chars().take(200).collect();
+    invalid(format!(
+        "`{method}` returned {shown}, but must return {wanted}"
+    ))
+}
+
 impl External {
     /// Builds the agent of a trial.
     pub fn new(class: &Py<PyAny>, plan: &Plan, fault: Fault) -> Self {
@@ -108,7 +137,8 @@ impl External {
 
     fn ask_values(&self, agent: &Bound<'_, PyAny>, percept: &Percept) -> PyResult<PredictionArray> {
         let answer = agent.call_method1("values", (bits(agent.py(), percept),))?;
-        let values: Vec<Option<f64>> = answer.extract()?;
+        let wanted = "a sequence with a finite number, or `None`, for each action";
+        let values: Vec<Option<f64>> = extract("values", &answer, wanted)?;
         if values.len() != self.actions {
             return Err(invalid(format!(
                 "`values` returned {} numbers for {} actions",
@@ -118,8 +148,10 @@ impl External {
         }
         let mut array = PredictionArray::new(self.actions);
         for (action, value) in Action::all(self.actions).zip(values) {
-            if let Some(value) = value.filter(|value| value.is_finite()) {
-                array.set(action, value);
+            match value {
+                Some(value) if value.is_finite() => array.set(action, value),
+                Some(_) => return Err(unusable("values", &answer, wanted)),
+                None => {}
             }
         }
         Ok(array)
@@ -127,14 +159,10 @@ impl External {
 
     fn ask_action(&self, agent: &Bound<'_, PyAny>, percept: &Percept) -> PyResult<Action> {
         let answer = agent.call_method1("choose", (bits(agent.py(), percept),))?;
-        let number: usize = answer.extract()?;
+        let wanted = format!("an action from 0 to {}", self.actions - 1);
+        let number: usize = extract("choose", &answer, &wanted)?;
         let action = Action::new(number).filter(|action| action.index() < self.actions);
-        action.ok_or_else(|| {
-            let last = self.actions - 1;
-            invalid(format!(
-                "`choose` returned {number}: the action must be from 0 to {last}"
-            ))
-        })
+        action.ok_or_else(|| unusable("choose", &answer, &wanted))
     }
 }
 

@@ -10,9 +10,32 @@ use xcscr_robot::arena::ArenaKind;
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Maze, Recipe};
 
-/// Converts an error to a `ValueError` with its message.
+/// What messages say about the command line, and what Python has in its place.
+const OPTIONS: [(&str, &str); 14] = [
+    ("--set: ", "settings: "),
+    (", or replace that study with `study run --force`", ""),
+    (", or replace the run in it with `--force`", ""),
+    (", even with `--force`", ""),
+    ("replace it with `--force`", "remove it"),
+    ("`--out`", "`out`"),
+    ("`--jobs`", "`jobs`"),
+    ("`--tasks`", "`tasks`"),
+    ("`--robot`", "`robot`"),
+    ("`--sensor ", "`sensor="),
+    ("`--arena grid`", "`arena=\"grid\"`"),
+    ("`--set ", "`settings` "),
+    (
+        "`xcscr config show --resolved` lists all",
+        "the page \"Settings\" lists all",
+    ),
+    ("run the same command again", "make the same call again"),
+];
+
+/// Converts an error to a `ValueError` with its message, which names arguments of Python.
 pub fn invalid(fault: impl std::fmt::Display) -> PyErr {
-    PyValueError::new_err(fault.to_string())
+    let text = fault.to_string();
+    let replaced = |text: String, (option, argument): &(&str, &str)| text.replace(option, argument);
+    PyValueError::new_err(OPTIONS.iter().fold(text, replaced))
 }
 
 /// Finds a member of a closed set by name.
@@ -64,10 +87,7 @@ impl Choice {
         let robot = robot.map_err(invalid)?;
         let defaults = Settings::default();
         let resolved = Resolved::with_robot(&defaults, robot.as_ref(), &[], &self.settings);
-        // The message names the option of the command line.
-        let as_argument = |text: String| text.replacen("--set", "settings", 1);
-        let resolved = resolved.map_err(|fault| invalid(as_argument(fault.to_string())));
-        let settings = resolved?.settings;
+        let settings = resolved.map_err(invalid)?.settings;
         let mut plan = Plan::new(maze)
             .arena(arena)
             .sensor(sensor)

@@ -76,5 +76,5 @@ def test_parameters_are_searched_and_checked():
     assert search.best_params_["s0"] in (0.2, 0.8)
     with pytest.raises(ValueError, match="`beta` is 2"):
         XCSClassifier(beta=2.0).fit(X, y)
-    with pytest.raises(ValueError, match="iterations is 0"):
+    with pytest.raises(ValueError, match="`iterations` is 0"):
         XCSClassifier(0).fit(X, y)

@@ -107,7 +107,7 @@ def test_pictures_show_the_robot():
         ({"world": "maze77"}, "did you mean"),
         ({"arena": "moon"}, "unknown arena"),
         ({"sensor": "sonar"}, "unknown sensor"),
-        ({"arena": "grid", "slip": 2.0}, "arena.slip"),
+        ({"arena": "grid", "slip": 2.0}, "`slip` is 2.0"),
         ({"settings": {"beta": 0.1}}, "^settings: .*xcs.beta"),
         ({"robot": "nothere"}, "nothere"),
     ],

@@ -96,12 +96,12 @@ def test_options_of_reset_hold_for_all_lanes_and_mistakes_are_said():
     _, infos = env.reset(seed=[3, None, 5], options={"start": (2, 1), "goal": (3, 4)})
     assert infos["cell"].tolist() == [[2, 1]] * 3 and len(set(infos["shortest_distance"].tolist())) == 1
     for wrong in [np.array([0, 0]), np.array([0, 4, 0]), np.array([-1, 0, 0])]:
-        with pytest.raises(ValueError, match="3 numbers from 0 to 3"):
+        with pytest.raises(ValueError, match="3 whole numbers from 0 to 3"):
             env.step(wrong)
     for options, words in [({"seat": 1}, "unknown options"), ({"start": (0, 0)}, "not a free cell"), ({"reset_mask": [True]}, "3 entries")]:
         with pytest.raises(ValueError, match=words):
             env.reset(options=options)
-    with pytest.raises(ValueError, match="at least 1"):
+    with pytest.raises(ValueError, match="`num_envs` is 0, but must be from 1"):
         xcscr.MazeVectorEnv(num_envs=0)
 
 

@@ -72,7 +72,7 @@ def test_bad_actions_and_options_are_refused():
     with pytest.raises(gymnasium.error.ResetNeeded):
         env.step(AHEAD)
     env.reset(seed=1)
-    with pytest.raises(ValueError, match="two numbers"):
+    with pytest.raises(ValueError, match="two finite numbers"):
         env.step(np.array([np.nan, 0.0]))
     with pytest.raises(ValueError, match="unknown options"):
         env.reset(options={"stat": (1, 1)})

@@ -153,7 +153,7 @@ def test_parameters_are_checked_by_the_names_of_the_field():
 
 def test_wrong_percepts_and_calls_are_refused():
     learner = xcscr.XCS(2, n_bits=3)
-    with pytest.raises(ValueError, match="other than 0 and 1"):
+    with pytest.raises(ValueError, match="the value 2.0: only 0 and 1"):
         learner.act([0, 2, 1])
     with pytest.raises(ValueError):
         learner.act([0, 1])

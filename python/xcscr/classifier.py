@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy
 
+from . import checks
 from ._native import Agent
 from .parameters import as_json, plain
 from .percepts import Reals, named
@@ -95,7 +96,7 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
 
     def _seed(self) -> int:
         if isinstance(self.random_state, (int, numpy.integer)):
-            return int(self.random_state)
+            return checks.whole("random_state", self.random_state)
         return int(check_random_state(self.random_state).randint(2**31))
 
     def _untrained(self, width: int, classes: int, seed: int) -> Agent:
@@ -110,16 +111,15 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
         self.classes_, answers = numpy.unique(y, return_inverse=True)
         if len(self.classes_) > MOST_CLASSES:
             raise ValueError(f"{len(self.classes_)} classes are too many: the limit is {MOST_CLASSES}")
-        if self.iterations < 1:
-            raise ValueError(f"iterations is {self.iterations}, but must be at least 1")
+        iterations = checks.whole("iterations", self.iterations, 1)
         names = named(getattr(self, "feature_names_in_", None), X.shape[1], "x")
         self._percepts = Reals(tuple(X.min(axis=0).tolist()), tuple(X.max(axis=0).tolist()), names)
         seed = self._seed()
         self._agent = self._untrained(X.shape[1], len(self.classes_), seed)
         rows = self._percepts.rows(X).tobytes()
-        self._agent.learn_table(rows, answers.astype(numpy.uint8).tobytes(), int(self.iterations), seed)
+        self._agent.learn_table(rows, answers.astype(numpy.uint8).tobytes(), iterations, seed)
         self._prior = numpy.bincount(answers) / len(answers)
-        self.n_iter_ = int(self.iterations)
+        self.n_iter_ = iterations
         return self
 
     def predict_proba(self, X: Any) -> Any:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, SupportsFloat
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
 
+from . import checks
 from ._native import Robot
-from .choice import choice, with_goal
+from .choice import environment, rewards, with_goal
 
 CELL_PX = 32
 COLOURS = {
@@ -62,10 +64,10 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
 
     def __init__(
         self,
-        world: str = "maze4",
+        world: str | os.PathLike[str] = "maze4",
         arena: str = "physics",
         sensor: str | None = None,
-        robot: str | None = None,
+        robot: str | os.PathLike[str] | None = None,
         noise: float | None = None,
         slip: float = 0.0,
         settings: dict[str, Any] | None = None,
@@ -77,15 +79,11 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"unknown render_mode {render_mode!r}: choose one of {self.metadata['render_modes']}")
-        sets = dict(settings or {})
-        if noise is not None:
-            sets["physics.noise"] = noise
-        if slip:
-            sets["arena.slip"] = slip
-        self._given = self._choice = choice(world, arena, sensor, robot, sets, seed=1)
+        self._given = self._choice = environment(world, arena, sensor, robot, noise, slip, settings)
+        self._rewards = rewards(goal_reward, step_reward, collision_reward)
+        limit = None if max_steps is None else checks.whole("max_steps", max_steps, 1)
         self._robot = Robot(self._choice)
-        self._rewards = (goal_reward, step_reward, collision_reward)
-        self._max_steps = max_steps or self._robot.step_threshold
+        self._max_steps = limit or self._robot.step_threshold
         self._steps = 0
         self._history: tuple[int, tuple[int, int], list[int]] | None = None
         self.render_mode = render_mode
@@ -93,7 +91,7 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
         self.observation_space = spaces.MultiBinary(self._robot.percept_bits)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
-        super().reset(seed=seed)
+        super().reset(seed=None if seed is None else checks.whole("seed", seed))
         options = dict(options or {})
         unknown = options.keys() - {"start", "goal"}
         if unknown:
@@ -101,13 +99,13 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
         if "goal" in options:
             self._choice = with_goal(self._given, options["goal"])
             self._robot = Robot(self._choice)
-        start = options.get("start")
+        start = None if options.get("start") is None else checks.cell("start", options["start"])
         # Each episode has its own noise seed, so that it can be replayed on its own.
         noise = int(self.np_random.integers(2**63))
         if start is None:
             cells = self._robot.start_cells
             start = cells[int(self.np_random.integers(len(cells)))]
-        self._begin(noise, (int(start[0]), int(start[1])))
+        self._begin(noise, start)
         return self._observation(), self._info()
 
     def _begin(self, noise: int, start: tuple[int, int]) -> None:
@@ -119,8 +117,9 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
     def step(self, action: np.int64) -> tuple[np.ndarray, SupportsFloat, bool, bool, dict[str, Any]]:
         if self._history is None:
             raise gymnasium.error.ResetNeeded("call reset before step")
-        outcome, found = self._robot.step(int(action))
-        self._history[2].append(int(action))
+        move = checks.whole("action", action, 0, self._robot.actions - 1)
+        outcome, found = self._robot.step(move)
+        self._history[2].append(move)
         self._steps += 1
         goal, each, collision = self._rewards
         reward = found + (goal if outcome == "reached-goal" else each)

@@ -6,6 +6,7 @@ from typing import Any, Self
 
 import numpy
 
+from . import checks
 from ._native import Agent
 from .percepts import Percepts
 from .rules import XCSRule, frame_of, rules_of
@@ -53,7 +54,7 @@ class Learner:
 
         With `explore=False`, always chooses one of the best. Call `update` with the reward of the action.
         """
-        return self._agent.act(self._bytes(percept), explore) + self._first_action
+        return self._agent.act(self._bytes(percept), bool(explore)) + self._first_action
 
     def update(self, reward: float, next_percept: Any = None, terminated: bool = True) -> None:
         """Learns from the reward of the last action.
@@ -62,7 +63,7 @@ class Learner:
         """
         if not terminated and next_percept is None:
             raise ValueError("pass next_percept unless the episode has terminated")
-        self._agent.update(float(reward), None if terminated else self._bytes(next_percept))
+        self._agent.update(checks.real("reward", reward), None if terminated else self._bytes(next_percept))
 
     def end_episode(self) -> None:
         """Discards the last action, so that the next percept starts a new episode."""
@@ -86,9 +87,9 @@ class Learner:
         """
         if steps is None and episodes is None:
             raise ValueError("pass steps or episodes")
-        steps_left = numpy.inf if steps is None else steps
-        episodes_left = numpy.inf if episodes is None else episodes
-        reset_seed: int | None = self._seed if seed is None else seed
+        steps_left = numpy.inf if steps is None else checks.whole("steps", steps)
+        episodes_left = numpy.inf if episodes is None else checks.whole("episodes", episodes)
+        reset_seed: int | None = self._seed if seed is None else checks.whole("seed", seed)
         while steps_left > 0 and episodes_left > 0:
             observation, _ = env.reset(seed=reset_seed)
             reset_seed, done, total = None, False, 0.0

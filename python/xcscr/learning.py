@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, NamedTuple
 
-from . import _native
+from . import _native, checks
 from .choice import choice
 
+#: The maximum number of episodes of a trial.
+MOST_EPISODES = 1_000_000
 COLUMNS = ["episode", "steps", "collisions", "explored", "reward", "reached", "rules", "optimal"]
 
 
@@ -66,16 +69,17 @@ class Result:
 
 
 def train(
-    world: str = "maze4",
+    world: str | os.PathLike[str] = "maze4",
     method: str = "xcscr-plus",
     *,
     arena: str = "physics",
     sensor: str | None = None,
-    robot: str | None = None,
+    robot: str | os.PathLike[str] | None = None,
     settings: dict[str, Any] | None = None,
     episodes: int = 180,
     seed: int = 1,
 ) -> Result:
     """Runs one trial. The same arguments give the same result on every machine."""
-    chosen = choice(world, arena, sensor, robot, settings or {}, seed)
-    return Result(_native.train(chosen, method, episodes))
+    chosen = choice(world, arena, sensor, robot, settings, seed)
+    limit = checks.whole("episodes", episodes, 1, MOST_EPISODES)
+    return Result(_native.train(chosen, checks.text("method", method), limit))

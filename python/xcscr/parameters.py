@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Literal, TypedDict
+from typing import Any, Literal, TypedDict, get_args, get_type_hints
 
-import numpy
+from . import checks
 
+#: The greatest whole number that a parameter can have.
+MOST_COUNT = 2**32 - 1
 #: Parameters of interval conditions.
 SPREADS = ("s0", "m")
 
@@ -57,12 +59,26 @@ class Parameters(TypedDict, total=False):
 
 
 def plain(parameters: dict[str, Any]) -> dict[str, Any]:
-    """Returns the parameters with numpy numbers converted to Python numbers. Raises TypeError for unknown names."""
-    unknown = sorted(parameters.keys() - Parameters.__annotations__.keys())
+    """Returns the parameters as Python's own numbers. Raises TypeError for unknown names, and ValueError for other types."""
+    kinds = get_type_hints(Parameters)
+    unknown = sorted(parameters.keys() - kinds.keys())
     if unknown:
-        known = ", ".join(Parameters.__annotations__)
+        known = ", ".join(kinds)
         raise TypeError(f"unknown parameter {unknown[0]!r}: choose from {known}")
-    return {key: value.item() if isinstance(value, numpy.generic) else value for key, value in parameters.items()}
+    return {key: _plain(key, value, kinds[key]) for key, value in parameters.items()}
+
+
+def _plain(name: str, value: Any, kind: Any) -> Any:
+    """Returns the value of a parameter of this type. The native part checks its range."""
+    if kind is int:
+        return checks.whole(name, value, 0, MOST_COUNT)
+    if kind is float:
+        return checks.real(name, value)
+    if kind is bool:
+        return checks.switch(name, value)
+    if value not in get_args(kind):
+        raise ValueError(f"`{name}` is {checks.shown(value)}, but must be one of {', '.join(get_args(kind))}")
+    return value
 
 
 def as_json(parameters: dict[str, Any]) -> tuple[str, str]:

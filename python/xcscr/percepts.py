@@ -10,6 +10,8 @@ from typing import Any
 import numpy
 from gymnasium import spaces
 
+from . import checks
+
 Tests = Sequence[tuple[int, float, float]]
 
 #: A discrete variable with at most this many values gets one bit per value, or one bit for two values. A larger one is
@@ -29,9 +31,10 @@ class Bits:
         return len(self.names)
 
     def rows(self, observations: Any) -> Any:
-        values = numpy.asarray(observations, dtype=float).reshape(-1, self.width)
-        if ((values != 0.0) & (values != 1.0)).any():
-            raise ValueError("a binary percept has a value other than 0 and 1")
+        values = _table(observations, self.width)
+        wrong = values[(values != 0.0) & (values != 1.0)]
+        if wrong.size:
+            raise ValueError(f"a binary percept has the value {wrong[0]}: only 0 and 1 are possible")
         return values
 
     def words(self, tests: Tests) -> str:
@@ -52,12 +55,17 @@ class States:
         return sum(map(_bits_of, self.counts))
 
     def rows(self, observations: Any) -> Any:
-        given = _flat(observations).reshape(-1, len(self.counts))
-        numbers = given.astype(int) - numpy.array(self.starts)
-        if (given != given.astype(int)).any():
-            raise ValueError("a discrete percept has a value that is not a whole number")
-        if (numbers < 0).any() or (numbers >= numpy.array(self.counts)).any():
-            raise ValueError("a discrete percept is outside of its space")
+        flat = _flat(observations)
+        # Large whole numbers are not exact as floats.
+        given = _table(flat, len(self.counts), int if flat.dtype.kind in "iu" else float)
+        wrong = given[given != numpy.floor(given)]
+        if wrong.size:
+            raise ValueError(f"a discrete percept has the value {wrong[0]}, which is not a whole number")
+        starts = numpy.array(self.starts)
+        outside = given[(given < starts) | (given >= starts + numpy.array(self.counts))]
+        if outside.size:
+            raise ValueError(f"a discrete percept has the value {outside[0]:g}, which is outside of its space")
+        numbers = given.astype(int) - starts
         variables, values, is_one_hot = _layout(self.counts)
         of_bits = numbers[:, variables]
         return numpy.where(is_one_hot, of_bits == values, of_bits >> values & 1).astype(float)
@@ -95,7 +103,7 @@ class Reals:
 
     def rows(self, observations: Any) -> Any:
         low, span = numpy.array(self.low), numpy.array(self.high) - numpy.array(self.low)
-        values = numpy.asarray(observations, dtype=float).reshape(-1, self.width) - low
+        values = _table(observations, self.width) - low
         return numpy.divide(values, span, out=numpy.full_like(values, 0.5), where=span > 0)
 
     def words(self, tests: Tests) -> str:
@@ -110,6 +118,17 @@ class Reals:
 
 
 Percepts = Bits | States | Reals
+
+
+def _table(observations: Any, width: int, dtype: Any = float) -> Any:
+    """Returns observations as rows of `width` numbers."""
+    values = checks.numbers(observations)
+    if values is None:
+        raise ValueError(f"the percept is {checks.shown(observations)}, but must be numbers")
+    values = values.astype(dtype)
+    if values.size % width:
+        raise ValueError(f"the percept has {values.size} values, but the learner has {width}: {checks.shown(observations)}")
+    return values.reshape(-1, width)
 
 
 def _bit(lower: float) -> int:
@@ -152,6 +171,17 @@ def named(names: Sequence[str] | None, count: int, stem: str) -> tuple[str, ...]
     return tuple(map(str, names))
 
 
+def ends(low: Any, high: Any, count: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Returns the bounds of each of `count` features. One bound may stand for all."""
+    bounds = []
+    for name, given in (("low", low), ("high", high)):
+        values = checks.numbers(given)
+        if values is None or values.size not in (1, count):
+            raise ValueError(f"`{name}` is {checks.shown(given)}, but must be a number, or {count} numbers")
+        bounds.append(tuple(map(float, numpy.broadcast_to(values.ravel(), count))))
+    return bounds[0], bounds[1]
+
+
 def of_space(
     space: Any, names: Sequence[str] | None = None, low: Any = None, high: Any = None
 ) -> Percepts:
@@ -161,8 +191,7 @@ def of_space(
     if isinstance(space, spaces.Box):
         count = int(numpy.prod(space.shape))
         low, high = (space.low if low is None else low), (space.high if high is None else high)
-        ends = [tuple(map(float, numpy.broadcast_to(numpy.ravel(end), count))) for end in (low, high)]
-        return Reals(ends[0], ends[1], named(names, count, "x"))
+        return Reals(*ends(low, high, count), named(names, count, "x"))
     return states_of(space, names)
 
 

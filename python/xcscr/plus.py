@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Sequence
 from typing import Any, Self
 
 from gymnasium import spaces
 
+from . import checks
 from ._native import Agent
 from .learner import Learner
 from .percepts import Percepts, States, named, states_of
@@ -62,6 +62,7 @@ class Plus(Learner):
 
         Raises ValueError if a value is out of range.
         """
+        n_bits = checks.whole("n_bits", n_bits, 1, MOST_BITS)
         names = named(feature_names, n_bits, "bit")
         percepts = States((2,) * n_bits, (0,) * n_bits, names)
         self._create(percepts, n_actions, 0, gamma, best_return, tries, population_size, seed)
@@ -101,20 +102,12 @@ class Plus(Learner):
                 f"the percepts have {percepts.width} bits, but at most {MOST_BITS} are possible: "
                 "wrap the environment in an ObservationWrapper that shows less"
             )
-        if n_actions > MOST_ACTIONS:
-            raise ValueError(f"there are {n_actions} actions, but at most {MOST_ACTIONS} are possible")
-        if not 0 <= seed < 2**64:
-            raise ValueError(f"`seed` is {seed}, but must be from 0 to 2^64 - 1")
-        self._percepts, self._seed, self.episode_returns = percepts, int(seed), []
-        try:
-            best_return = None if best_return is None else float(best_return)
-        except OverflowError as error:
-            raise ValueError("`best_return` is too large for a number of 64 bits") from error
-        for name, number in (("gamma", gamma), ("best_return", best_return or 0.0)):
-            if not math.isfinite(number):
-                raise ValueError(f"`{name}` is {number}, but must be a number")
-        numbers = (float(gamma), best_return, int(tries), int(population_size))
-        self._arguments = (int(n_actions), first_action, *numbers, self._seed)
+        n_actions = checks.whole("n_actions", n_actions, 1, MOST_ACTIONS)
+        best_return = None if best_return is None else checks.real("best_return", best_return)
+        numbers = (checks.real("gamma", gamma, 0.0, 1.0), best_return)
+        counts = (checks.whole("tries", tries), checks.whole("population_size", population_size))
+        self._percepts, self._seed, self.episode_returns = percepts, checks.whole("seed", seed), []
+        self._arguments = (n_actions, first_action, *numbers, *counts, self._seed)
         names = ("gamma", "best_return", "tries", "population_size")
-        params = json.dumps(dict(zip(names, numbers, strict=True)))
-        self._agent = Agent.plus(percepts.width, int(n_actions), params, self._seed)
+        params = json.dumps(dict(zip(names, (*numbers, *counts), strict=True)))
+        self._agent = Agent.plus(percepts.width, n_actions, params, self._seed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any, SupportsFloat
 
@@ -9,6 +10,7 @@ import gymnasium
 import gymnasium.vector
 import numpy as np
 
+from . import checks
 from ._native import Recording
 from .envs import MazeEnv
 from .vector import History, MazeVectorEnv
@@ -26,14 +28,14 @@ class Record(gymnasium.Wrapper[np.ndarray, Any, np.ndarray, Any]):
     seeds, the actions and the rewards to `run.mcap`. `xcscr recording verify` repeats them and compares every byte.
     """
 
-    def __init__(self, env: gymnasium.Env[np.ndarray, Any], folder: str | Path, record: str = "all") -> None:
+    def __init__(self, env: gymnasium.Env[np.ndarray, Any], folder: str | os.PathLike[str], record: str = "all") -> None:
         super().__init__(env)
         robot = env.unwrapped
         if not isinstance(robot, MazeEnv | WheelsEnv):
             raise ValueError(f"cannot record {robot}: only the environments of xcscr are recorded")
         self._robot = robot
         self._rewards: list[float] | None = None
-        self._recording = Recording(robot._choice, str(folder), record)
+        self._recording = Recording(robot._choice, checks.text("folder", folder), record)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
         if "goal" in (options or {}):
@@ -82,7 +84,7 @@ class RecordVector(gymnasium.vector.VectorWrapper):
     An episode is written when the environment is reset after it, or closed. Call `close` at the end.
     """
 
-    def __init__(self, env: gymnasium.vector.VectorEnv[Any, Any, Any], folder: str | Path, record: str = "all") -> None:
+    def __init__(self, env: gymnasium.vector.VectorEnv[Any, Any, Any], folder: str | os.PathLike[str], record: str = "all") -> None:
         super().__init__(env)
         mazes = env.unwrapped
         if not isinstance(mazes, MazeVectorEnv):
@@ -90,7 +92,7 @@ class RecordVector(gymnasium.vector.VectorWrapper):
         if mazes._begun.any():
             raise ValueError("the environment has been reset already: record it from its first episode")
         self._mazes = mazes
-        folders = [str(Path(folder) / f"env-{lane}") for lane in range(mazes.num_envs)]
+        folders = [str(Path(checks.text("folder", folder)) / f"env-{lane}") for lane in range(mazes.num_envs)]
         self._recordings = [Recording(mazes._given, each, record) for each in folders]
         mazes._recorder = self._write
 

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import difflib
 import json
+import math
+import os
 import re
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
-from . import _native
+from . import _native, checks
+from .choice import plain_settings
+
+#: The maximum numbers of trials, of episodes, and of threads.
+MOST_TRIALS, MOST_JOBS = 1_000_000, 1024
 
 
 class Agent(Protocol):
@@ -27,7 +34,7 @@ class Agent(Protocol):
         """Returns the value of each action, `None` where it is unknown. Must not change the agent."""
 
     def learn(self, percept: bytes, action: int, reward: float, next_percept: bytes | None) -> None:
-        """Learns from a step; `next_percept` is `None` at a goal. The last step before a step limit is left out."""
+        """Learns from a step; `next_percept` is `None` at a goal, and only there."""
 
     def end_episode(self, reached_goal: bool) -> None:
         """Ends an episode: at a goal, or at the step limit."""
@@ -79,7 +86,7 @@ class Study:
 
 
 def study(
-    worlds: Sequence[str],
+    worlds: Sequence[str | os.PathLike[str]],
     methods: Sequence[str | Callable[..., Agent]],
     *,
     trials: int = 30,
@@ -88,7 +95,7 @@ def study(
     sensor: str | None = None,
     settings: dict[str, Any] | None = None,
     seed: int = 1,
-    out: str | Path | None = None,
+    out: str | os.PathLike[str] | None = None,
     jobs: int = 0,
 ) -> Study:
     """Runs paired trials of each method in each world, and compares them.
@@ -98,20 +105,16 @@ def study(
     another folder when the code of an agent has changed. `jobs` is the number of threads, 0 for all cores; the results
     do not depend on it.
     """
-    names = [method for method in methods if isinstance(method, str)]
-    if not names:
-        raise ValueError("give at least one method of the program to compare with: see xcscr.methods()")
+    if isinstance(methods, Iterable) and not isinstance(methods, str):
+        methods = list(methods)
+    text = _study_file(worlds, methods, trials, episodes, arena, sensor, settings, seed)
     agents = [(_name(method), method) for method in methods if not isinstance(method, str)]
-    table: dict[str, Any] = {"name": "study", "worlds": list(worlds), "methods": names, "arenas": [arena]}
-    table |= {"trials": trials, "episodes": episodes, "seed": seed}
-    if sensor is not None:
-        table["sensors"] = [sensor]
-    lines = [f"{key} = {json.dumps(value)}" for key, value in table.items()]
-    lines += ["[settings]"] + [f"{json.dumps(key)} = {json.dumps(value)}" for key, value in (settings or {}).items()]
+    jobs = checks.whole("jobs", jobs, 0, MOST_JOBS)
+    out = None if out is None else checks.text("out", out)
     temporary = tempfile.TemporaryDirectory(prefix="xcscr-study-") if out is None else None
     folder = Path(temporary.name if temporary else out or "")
     try:
-        native = _native.run_study("\n".join(lines), agents, str(folder), jobs)
+        native = _native.run_study(text, agents, str(folder), jobs)
     except BaseException:
         if temporary:
             temporary.cleanup()
@@ -119,7 +122,58 @@ def study(
     return Study(native, folder, jobs, temporary)
 
 
+def _study_file(
+    worlds: Any, methods: Any, trials: Any, episodes: Any, arena: Any, sensor: Any, settings: Any, seed: Any
+) -> str:
+    """Returns the text of a study file with these arguments."""
+    for name, given in (("worlds", worlds), ("methods", methods)):
+        if isinstance(given, str | bytes | os.PathLike) or not isinstance(given, Iterable):
+            raise ValueError(f"`{name}` is {checks.shown(given)}, but must be a list of {name}")
+    names = [method for method in methods if isinstance(method, str)]
+    if not names:
+        raise ValueError("give at least one method of the program to compare with: see xcscr.methods()")
+    table: dict[str, Any] = {
+        "name": "study",
+        "worlds": [checks.text("worlds", world) for world in worlds],
+        "methods": [_one_of("methods", name, _native.methods()) for name in names],
+        "arenas": [_one_of("arena", arena, ["grid", "physics"])],
+        "trials": checks.whole("trials", trials, 1, MOST_TRIALS),
+        "episodes": checks.whole("episodes", episodes, 1, MOST_TRIALS),
+        # TOML has no larger numbers.
+        "seed": checks.whole("seed", seed, 0, 2**63 - 1),
+    }
+    if sensor is not None:
+        table["sensors"] = [_one_of("sensor", sensor, _native.sensors())]
+    lines = [f"{key} = {_toml(value)}" for key, value in table.items()]
+    lines += ["[settings]"] + [f"{_toml(key)} = {_toml(value)}" for key, value in plain_settings(settings).items()]
+    return "\n".join(lines)
+
+
+def _toml(value: Any) -> str:
+    """Returns a value in TOML, which differs from JSON in the numbers that are not finite and in the delete character."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _one_of(name: str, value: Any, known: Sequence[str]) -> str:
+    """Returns a name that is known."""
+    given = checks.text(name, value)
+    if given in known:
+        return given
+    near = difflib.get_close_matches(given, known, 1)
+    hint = f"did you mean `{near[0]}`?" if near else f"choose one of {', '.join(known)}"
+    raise ValueError(f"`{name}` has {checks.shown(given)}, which is unknown: {hint}")
+
+
 def _name(agent: Callable[..., Agent]) -> str:
     """The name of a class in reports: `MyAgent` is `my-agent`."""
-    name = getattr(agent, "__name__", type(agent).__name__)
+    if not callable(agent):
+        raise ValueError(f"`methods` has {checks.shown(agent)}, but a method is a name or a class of your own agent")
+    name = getattr(agent, "__name__", None)
+    if not isinstance(name, str) or not re.fullmatch("[A-Za-z0-9_]{1,40}", name):
+        raise ValueError(
+            f"`methods` has {checks.shown(name or agent)}, which has no name for the report: pass a class or a function, or "
+            "set its `__name__`"
+        )
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", name).replace("_", "-").strip("-").lower()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import gymnasium
@@ -10,8 +11,9 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from . import checks
 from ._native import Robot, Robots
-from .choice import choice, with_goal
+from .choice import environment, rewards, with_goal
 from .envs import MazeEnv
 
 #: The noise seed, the start, the actions and the rewards of an episode.
@@ -19,6 +21,9 @@ History = tuple[int, tuple[int, int], list[int], list[float]]
 #: The number of an environment, the noise seed and the start of a new episode.
 Begin = tuple[int, int, tuple[int, int]]
 Recorder = Callable[[int, History, tuple[float, ...]], None]
+
+#: The maximum number of environments. A robot in physics takes some 100 kB.
+MOST_ENVS = 1 << 16
 
 COLLIDED, REACHED_GOAL, RESTS = 2, 4, 255
 #: The names of all bytes that stand for an outcome. An environment that rests has the first name, and its mask is false.
@@ -41,10 +46,10 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def __init__(
         self,
         num_envs: int = 1,
-        world: str = "maze4",
+        world: str | os.PathLike[str] = "maze4",
         arena: str = "physics",
         sensor: str | None = None,
-        robot: str | None = None,
+        robot: str | os.PathLike[str] | None = None,
         noise: float | None = None,
         slip: float = 0.0,
         settings: dict[str, Any] | None = None,
@@ -57,14 +62,10 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     ) -> None:
         if render_mode is not None:
             raise ValueError("a vector environment cannot render: leave `render_mode` out")
-        if num_envs < 1:
-            raise ValueError(f"num_envs is {num_envs}, but must be at least 1")
-        sets = dict(settings or {})
-        if noise is not None:
-            sets["physics.noise"] = noise
-        if slip:
-            sets["arena.slip"] = slip
-        self._given = choice(world, arena, sensor, robot, sets, seed=1)
+        num_envs = checks.whole("num_envs", num_envs, 1, MOST_ENVS)
+        limit = None if max_steps is None else checks.whole("max_steps", max_steps, 1)
+        goal, each, collision = rewards(goal_reward, step_reward, collision_reward)
+        self._given = environment(world, arena, sensor, robot, noise, slip, settings)
         self.num_envs = num_envs
         self.render_mode = None
         self._mode = AutoresetMode(autoreset_mode)
@@ -72,11 +73,11 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self._place(self._given)
         one = Robot(self._given)
         #: The reward of each outcome byte.
-        self._rewards = np.full(256, step_reward, np.float64)
-        self._rewards[REACHED_GOAL] = goal_reward
-        self._rewards[COLLIDED] += collision_reward
+        self._rewards = np.full(256, each, np.float64)
+        self._rewards[REACHED_GOAL] = goal
+        self._rewards[COLLIDED] += collision
         self._rewards[RESTS] = 0.0
-        self._max_steps = max_steps or one.step_threshold
+        self._max_steps = limit or one.step_threshold
         self.single_action_space = gymnasium.spaces.Discrete(one.actions)
         self.single_observation_space = gymnasium.spaces.MultiBinary(one.percept_bits)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -105,19 +106,29 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         mask = np.ones(self.num_envs, np.bool_) if mask is None else np.asarray(mask, np.bool_)
         if mask.shape != (self.num_envs,) or not mask.any():
             raise ValueError(f"`reset_mask` must have {self.num_envs} entries, at least one of them true")
-        seeds = [seed + lane for lane in range(self.num_envs)] if isinstance(seed, int) else seed
-        if seeds is not None and len(seeds) != self.num_envs:
-            raise ValueError(f"there are {len(seeds)} seeds for {self.num_envs} environments")
+        seeds = self._seeds(seed)
+        start = None if options.get("start") is None else checks.cell("start", options["start"])
         if "goal" in options:
             if not mask.all():
                 raise ValueError("`goal` moves the goal of all environments: leave `reset_mask` out")
             self._place(with_goal(self._given, options["goal"]))
         for lane in np.flatnonzero(mask):
-            if seeds is not None and seeds[lane] is not None:
+            if seeds[lane] is not None:
                 self._draws[lane] = gymnasium.utils.seeding.np_random(seeds[lane])[0]
-        self._begin(np.flatnonzero(mask), options.get("start"))
+        self._begin(np.flatnonzero(mask), start)
         percepts, facts = self._robots.observe()
         return self._observations(percepts), self._infos(facts, mask)
+
+    def _seeds(self, seed: Any) -> list[int | None]:
+        """Returns the seed of each environment."""
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, Sequence) or np.ndim(seed) == 1:
+            if len(seed) != self.num_envs:
+                raise ValueError(f"there are {len(seed)} seeds for {self.num_envs} environments")
+            return [None if each is None else checks.whole("seed", each) for each in seed]
+        first = checks.whole("seed", seed)
+        return [first + lane for lane in range(self.num_envs)]
 
     def _begin(self, lanes: np.ndarray, start: tuple[int, int] | None = None) -> None:
         """Starts an episode in some of the environments, as `MazeEnv.reset` does."""
@@ -142,9 +153,7 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         if not self._begun.all():
             raise gymnasium.error.ResetNeeded("call reset before step")
-        actions = np.asarray(actions)
-        if actions.shape != (self.num_envs,) or (actions < 0).any() or (actions >= self._actions).any():
-            raise ValueError(f"actions must be {self.num_envs} numbers from 0 to {self._actions - 1}")
+        actions = self._checked(actions)
         over = self._done
         if self._mode == AutoresetMode.DISABLED and over.any():
             raise gymnasium.error.ResetNeeded(f"the episodes of environments {np.flatnonzero(over).tolist()} are over: reset them")
@@ -166,6 +175,15 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         if self._mode == AutoresetMode.SAME_STEP and self._done.any():
             infos, observations = self._after_end(infos, observations)
         return observations, rewards, terminations, truncations, infos
+
+    def _checked(self, actions: Any) -> np.ndarray:
+        """Returns the actions as an array of whole numbers."""
+        given = np.asarray(actions)
+        is_whole = given.shape == (self.num_envs,) and np.issubdtype(given.dtype, np.integer)
+        if not is_whole or (given < 0).any() or (given >= self._actions).any():
+            wanted = f"{self.num_envs} whole numbers from 0 to {self._actions - 1}"
+            raise ValueError(f"`actions` is {checks.shown(actions)}, but must be {wanted}")
+        return given
 
     def _note(self, actions: np.ndarray, rewards: np.ndarray, acted: np.ndarray) -> None:
         """Adds a step to the histories of the environments that acted."""

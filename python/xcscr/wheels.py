@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import json
+import os
 from typing import Any, SupportsFloat
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
 
+from . import checks
 from ._native import Robot, Wheels
-from .choice import choice, with_goal
+from .choice import environment, rewards, with_goal
+
+#: The maximum number of distance readings.
+MOST_BEAMS = 4096
 
 
 class WheelsEnv(gymnasium.Env[np.ndarray, np.ndarray]):
@@ -53,8 +58,8 @@ class WheelsEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 
     def __init__(
         self,
-        world: str = "maze4",
-        robot: str | None = None,
+        world: str | os.PathLike[str] = "maze4",
+        robot: str | os.PathLike[str] | None = None,
         noise: float | None = None,
         settings: dict[str, Any] | None = None,
         beams: int = 16,
@@ -64,15 +69,11 @@ class WheelsEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         collision_reward: float = 0.0,
         max_steps: int = 1200,
     ) -> None:
-        if beams < 1 or not range_m > 0:
-            raise ValueError("`beams` must be at least 1 and `range_m` above 0")
-        sets = dict(settings or {})
-        if noise is not None:
-            sets["physics.noise"] = noise
-        self._given = self._choice = choice(world, "physics", "neighbours", robot, sets, seed=1)
-        self._beams, self._range_m = beams, range_m
-        self._rewards = (goal_reward, step_reward, collision_reward)
-        self._max_steps = max_steps
+        self._beams = beams = checks.whole("beams", beams, 1, MOST_BEAMS)
+        self._range_m = checks.real("range_m", range_m, 0.001, 1000.0)
+        self._given = self._choice = environment(world, "physics", "neighbours", robot, noise, 0, settings)
+        self._rewards = rewards(goal_reward, step_reward, collision_reward)
+        self._max_steps = checks.whole("max_steps", max_steps, 1)
         self._history: tuple[int, tuple[int, int], float, list[tuple[float, float]]] | None = None
         self.render_mode = None
         self._build()
@@ -87,7 +88,7 @@ class WheelsEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self._diagonal_m = float(np.hypot(*self._maze.size)) * float(world.get("cell_size_m", 1.0))
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
-        super().reset(seed=seed)
+        super().reset(seed=None if seed is None else checks.whole("seed", seed))
         options = dict(options or {})
         unknown = options.keys() - {"start", "heading", "goal"}
         if unknown:
@@ -97,12 +98,14 @@ class WheelsEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             self._build()
         noise = int(self.np_random.integers(2**63))
         start, heading = options.get("start"), options.get("heading")
-        if start is None:
+        if start is not None:
+            start = checks.cell("start", start)
+        else:
             cells = self._maze.start_cells
             start = cells[int(self.np_random.integers(len(cells)))]
         if heading is None:
             heading = self.np_random.uniform(-np.pi, np.pi)
-        self._history = (noise, (int(start[0]), int(start[1])), float(heading), [])
+        self._history = (noise, start, checks.real("heading", heading), [])
         self._replay()
         return self._observation(), self._info(0.0)
 
@@ -118,10 +121,10 @@ class WheelsEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     def step(self, action: np.ndarray) -> tuple[np.ndarray, SupportsFloat, bool, bool, dict[str, Any]]:
         if self._history is None:
             raise gymnasium.error.ResetNeeded("call reset before step")
-        shares = np.asarray(action, dtype=np.float64)
-        if shares.shape != (2,) or not np.isfinite(shares).all():
-            raise ValueError(f"the action must be two numbers, not {action!r}")
-        left, right = (np.clip(shares, -1.0, 1.0) * self._wheels.max_speed).tolist()
+        given = checks.numbers(action)
+        if given is None or given.shape != (2,) or not np.isfinite(given).all():
+            raise ValueError(f"`action` is {checks.shown(action)}, but must be two finite numbers")
+        left, right = (np.clip(given.astype(np.float64), -1.0, 1.0) * self._wheels.max_speed).tolist()
         arrived, impulse = self._wheels.step(left, right)
         self._history[3].append((left, right))
         goal, each, collision = self._rewards

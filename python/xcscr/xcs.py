@@ -12,13 +12,17 @@ from typing import Any, Self, Unpack
 import numpy
 from gymnasium import spaces
 
+from . import checks
 from ._native import Agent
 from .learner import Learner
 from .parameters import Parameters, as_json, plain
-from .percepts import Bits, Percepts, Reals, States, named, of_space
+from .percepts import Bits, Percepts, Reals, States, ends, named, of_space
 
 #: The limits of ternary conditions. Beyond them, each bit gets an interval.
 MOST_BITS, MOST_TERNARY_ACTIONS = 320, 8
+
+#: The largest number of attributes of a percept, and of actions.
+MOST_ATTRIBUTES, MOST_ACTIONS = 1_000_000, 256
 
 #: The format of a saved learner.
 _FORMAT = "xcscr.XCS 1"
@@ -59,11 +63,10 @@ class XCS(Learner):
             raise ValueError("pass either n_bits or n_features")
         percepts: Percepts
         if n_bits is not None:
-            percepts = Bits(named(feature_names, n_bits, "bit"))
+            percepts = Bits(named(feature_names, checks.whole("n_bits", n_bits, 1, MOST_ATTRIBUTES), "bit"))
         else:
-            count = n_features or 0
-            ends = [tuple(map(float, numpy.broadcast_to(numpy.ravel(end), count))) for end in (low, high)]
-            percepts = Reals(ends[0], ends[1], named(feature_names, count, "x"))
+            count = checks.whole("n_features", n_features, 1, MOST_ATTRIBUTES)
+            percepts = Reals(*ends(low, high, count), named(feature_names, count, "x"))
         self._create(percepts, n_actions, 0, gamma, p_explore, seed, dict(parameters))
 
     @classmethod
@@ -95,7 +98,9 @@ class XCS(Learner):
 
     def _create(self, percepts: Percepts, *arguments: Any) -> None:
         n_actions, first_action, gamma, p_explore, seed, parameters = arguments
-        n_actions, seed, parameters = int(n_actions), int(seed), plain(parameters)
+        n_actions = checks.whole("n_actions", n_actions, 1, MOST_ACTIONS)
+        gamma, p_explore = checks.real("gamma", gamma, 0.0, 1.0), checks.real("p_explore", p_explore, 0.0, 1.0)
+        seed, parameters = checks.whole("seed", seed), plain(parameters)
         self._percepts, self._seed, self.episode_returns = percepts, seed, []
         self._arguments = (n_actions, first_action, gamma, p_explore, seed, parameters)
         intervals = percepts.is_real or percepts.width > MOST_BITS or n_actions > MOST_TERNARY_ACTIONS
@@ -108,10 +113,15 @@ class XCS(Learner):
         Each trial draws a row at random. Half of the trials take the right action, which gets the reward 1000. The
         others take any other action, which gets 0. `seed` selects the rows; by default it is the seed of the learner.
         """
-        rows, answers = self._percepts.rows(percepts), numpy.asarray(actions).ravel() - self._first_action
-        if ((answers < 0) | (answers >= self.n_actions)).any():
-            raise ValueError(f"an action is not one of the learner's {self.n_actions} actions")
-        chosen = self._seed if seed is None else seed
+        trials = checks.whole("trials", trials)
+        chosen = self._seed if seed is None else checks.whole("seed", seed)
+        given = numpy.ravel(actions)
+        if not numpy.issubdtype(given.dtype, numpy.integer):
+            raise ValueError(f"`actions` is {checks.shown(actions)}, but must be whole numbers")
+        rows, answers = self._percepts.rows(percepts), given - self._first_action
+        wrong = given[(answers < 0) | (answers >= self.n_actions)]
+        if wrong.size:
+            raise ValueError(f"`actions` has {wrong[0]}, which is not one of the learner's {self.n_actions} actions")
         self._agent.learn_table(rows.tobytes(), answers.astype(numpy.uint8).tobytes(), trials, chosen)
         return self
 
