@@ -101,7 +101,7 @@ def test_wrong_arguments_percepts_and_calls_are_refused():
         ({"best_return": 10**400}, "`best_return` is 1000"),
         ({"population_size": 0}, "`population_size` is 0"),
         ({"best_return": float("inf")}, "best_return"),
-        ({"n_bits": 321}, "at most 320"),
+        ({"n_bits": 321}, "`n_bits` is 321, but must be from 1 to 320"),
         ({"n_bits": 0}, "n_bits"),
     ]:
         with pytest.raises(ValueError, match=message):

@@ -1,5 +1,9 @@
 """Studies compare agents of Python with the methods of the program."""
 
+import csv
+import gzip
+import json
+
 import numpy as np
 import pandas
 import pytest
@@ -73,6 +77,42 @@ def test_episodes_have_a_row_each_and_scores_are_an_array_of_runs_by_tasks():
     assert scores["xcscr-plus"][0, 0] == first["optimal"].mean()
     steps = result.scores(lambda trial: trial["steps"].sum())
     assert steps["qlearning"][0, 0] == episodes.query("method == 'qlearning' and world == 'maze5' and trial == 1")["steps"].sum()
+
+
+def test_scores_are_the_means_of_the_table_of_episodes_computed_without_pandas():
+    result = study(["xcs", "q-learning"], worlds=["maze5", "maze4"])
+    result.episodes()
+    shares = {}
+    with gzip.open(result.folder / "episodes.csv.gz", "rt") as file:
+        for row in csv.DictReader(file):
+            shares.setdefault((row["method"], row["world"], row["trial"]), []).append(row["optimal"] == "true")
+    scores = result.scores()
+    assert list(scores) == ["xcs", "q-learning"]
+    for method, table in scores.items():
+        for column, world in enumerate(["maze5", "maze4"]):
+            for row in range(3):
+                optimal = shares[method, world, str(row + 1)]
+                assert table[row, column] == sum(optimal) / len(optimal), f"{method}, {world}, trial {row + 1}"
+    assert len({table.tobytes() for table in scores.values()}) == 2, "control"
+
+
+@pytest.mark.parametrize("name", ["001", "nan", "NA", "1e5", "null", "true", "0.10", "1_000"])
+def test_names_of_worlds_and_agents_stay_text_in_every_table(tmp_path, name):
+    world = tmp_path / "world.json"
+    world.write_text(json.dumps({"name": name, "rows": ["#####", "#S.G#", "#####"]}))
+
+    class Own(QLearning):
+        pass
+
+    Own.__name__ = name if name.isalnum() and name == name.lower() else "own"
+    Own.__init__ = lambda self, n_actions, n_bits, seed: setattr(self, "n_actions", n_actions) or setattr(self, "table", {})
+    result = study(["q-learning", Own], worlds=["maze4", world], trials=2, episodes=3)
+    for table in (result.trials(), result.episodes()):
+        assert list(table["world"].unique()) == ["maze4", name]
+        assert list(table["method"].unique()) == ["q-learning", Own.__name__]
+    assert list(result.scores()) == ["q-learning", Own.__name__]
+    assert result.scores()["q-learning"].shape == (2, 2)
+    assert {arm["world"] for arm in json.loads((result.folder / "summary.json").read_text())["arms"]} == {"maze4", name}
 
 
 def test_results_do_not_depend_on_the_number_of_threads_and_a_folder_resumes(tmp_path):

@@ -12,9 +12,13 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
+import numpy
+
 from . import _native, checks
 from .choice import plain_settings
 
+#: The columns of text in the tables of a study.
+TEXTS = ("world", "method", "arena", "sensor", "variant", "error")
 #: The maximum numbers of trials, of episodes, and of threads.
 MOST_TRIALS, MOST_JOBS = 1_000_000, 1024
 
@@ -52,18 +56,14 @@ class Study:
 
     def trials(self) -> Any:
         """A pandas frame with a row for each trial."""
-        import pandas  # type: ignore[import-untyped]
-
-        return pandas.read_csv(self.folder / "trials.csv")
+        return _table(self.folder / "trials.csv")
 
     def episodes(self) -> Any:
         """A pandas frame with a row for each episode. The first call repeats the trials."""
-        import pandas
-
         table = self.folder / "episodes.csv.gz"
         if not table.exists():
             self._native.write_episodes(self._jobs)
-        return pandas.read_csv(table)
+        return _table(table)
 
     def report(self) -> str:
         """The report as text. `folder / "report.html"` has the figures."""
@@ -73,16 +73,28 @@ class Study:
         """The scores as `rliable` reads them: for each method an array of runs x worlds.
 
         `score` maps the frame of `episodes()` of one trial to a number. By default it is the share of episodes after
-        which the greedy policy is globally optimal.
+        which the greedy policy is globally optimal. A trial that failed has NaN.
         """
         keys = ["method", "world", "trial"]
-        groups = self.episodes().groupby(keys, sort=False)
-        column = groups["optimal"].mean() if score is None else groups.apply(score, include_groups=False)
-        table = column.unstack("world", sort=False)
-        return {str(name): table.loc[name].to_numpy(dtype=float) for name in table.index.unique("method")}
+        episodes = self.episodes()
+        methods, worlds, trials = ({name: at for at, name in enumerate(episodes[key].unique())} for key in keys)
+        scores = {str(method): numpy.full((len(trials), len(worlds)), numpy.nan) for method in methods}
+        for (method, world, trial), rows in episodes.groupby(keys, sort=False):
+            one = rows["optimal"].mean() if score is None else score(rows.drop(columns=keys))
+            scores[str(method)][trials[trial], worlds[world]] = one
+        return scores
 
     def __repr__(self) -> str:
         return f"<study in {self.folder}>"
+
+
+def _table(path: Path) -> Any:
+    """Reads a table of a study. Names stay text, even `001`, `nan` and `1e5`."""
+    import pandas  # type: ignore[import-untyped]
+
+    columns = pandas.read_csv(path, nrows=0).columns
+    empty = {column: [""] for column in columns if column not in TEXTS}
+    return pandas.read_csv(path, dtype=dict.fromkeys(TEXTS, str), keep_default_na=False, na_values=empty)
 
 
 def study(
