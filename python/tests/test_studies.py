@@ -124,6 +124,31 @@ def test_results_do_not_depend_on_the_number_of_threads_and_a_folder_resumes(tmp
     pandas.testing.assert_frame_equal(one, study(["q-learning", QLearning], out=tmp_path / "one").trials())
 
 
+class Random(QLearning):
+    """Chooses by a generator that no seed determines."""
+
+    def choose(self, percept):
+        return int(np.random.default_rng().integers(4))
+
+
+def test_results_of_a_changed_or_random_agent_are_never_mixed(tmp_path):
+    def changed(gain):
+        class Own(QLearning):
+            def choose(self, percept):
+                return gain
+
+        return Own
+
+    first = study(["q-learning", changed(1)], worlds=["maze4"], out=tmp_path / "own")
+    for _ in range(2):
+        study(["q-learning", changed(1)], worlds=["maze4"], out=tmp_path / "own")
+    with pytest.raises(ValueError, match="trial 1 of maze4 own .* another result when it is repeated.*`out`"):
+        study(["q-learning", changed(2)], worlds=["maze4"], out=tmp_path / "own")
+    assert len(first.episodes()) == 2 * 3 * 40, "control"
+    with pytest.raises(ValueError, match="random .* another result when it is repeated"):
+        study(["q-learning", Random], worlds=["maze4"]).episodes()
+
+
 def test_an_agent_may_choose_its_actions():
     episodes = study(["q-learning", Chooser], worlds=["maze4"], trials=1, episodes=3).episodes()
     own = episodes[episodes["method"] == "chooser"]

@@ -114,7 +114,8 @@ def study(
 
     `methods` are names (`xcscr.methods()`), at least one, and classes of your own agents: see `xcscr.studies.Agent`. Trial n has
     the same seed for all methods. `out` keeps the study in a folder, and the same call resumes it there. Choose
-    another folder when the code of an agent has changed. `jobs` is the number of threads, 0 for all cores; the results
+    another folder when the code of an agent has changed: one trial of each agent is repeated, and another result than
+    the stored one raises ValueError. `jobs` is the number of threads, 0 for all cores; the results
     do not depend on it.
     """
     if isinstance(methods, Iterable) and not isinstance(methods, str):

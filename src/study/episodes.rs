@@ -5,7 +5,6 @@
 //! rows are the same for any number of threads, tasks and machines.
 
 use std::io::{self, Write};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -17,9 +16,8 @@ use super::analysis::learning::CurveSums;
 use super::own::{Agents, Study};
 use super::protocol::Protocol;
 use super::runner::threads;
-use super::store::StudyFolder;
 use super::store::outputs::{EPISODES, LEARNING_CURVES};
-use super::store::record::trial;
+use super::store::{StudyFolder, TrialRecord};
 use crate::episode::{Ending, Episode};
 use crate::error::Error;
 use crate::trial::Trial;
@@ -35,7 +33,7 @@ struct EpisodeRow {
     arena: &'static str,
     sensor: &'static str,
     variant: String,
-    /// From 0, as in `trials.csv`.
+    /// From 1, as in `trials.csv`.
     trial: usize,
     seed: u64,
     /// From 1.
@@ -85,8 +83,8 @@ impl Study {
     /// trials.
     ///
     /// # Errors
-    /// When the threads cannot be started, this program lacks an agent of the study, a file has
-    /// other contents or cannot be written, or `stop` returned true.
+    /// When the threads cannot be started, this program lacks an agent of the study, a trial has another result
+    /// than the stored one, a file has other contents or cannot be written, or `stop` returned true.
     pub fn write_episodes(
         &self,
         folder: &StudyFolder,
@@ -98,13 +96,16 @@ impl Study {
         self.agents.require_for(folder.protocol())?;
         let mut sums: Vec<CurveSums> = Vec::new();
         sums.resize_with(arms.len(), CurveSums::default);
-        folder.write_with(EPISODES, |file| {
+        let mut differs = None;
+        let written = folder.write_with(EPISODES, |file| {
             let mut table = csv::Writer::from_writer(GzEncoder::new(file, Compression::default()));
-            let study = (folder.protocol(), &self.agents);
-            write_rows(study, &pool, &mut table, &mut sums, stop)?;
+            let study = (folder, &self.agents);
+            write_rows(study, &pool, &mut table, &mut sums, stop, &mut differs)?;
             let packed = table.into_inner().map_err(|fault| fault.into_error())?;
             packed.finish().map(|_| ())
-        })?;
+        });
+        differs.map_or(Ok(()), Err)?;
+        written?;
         folder.write_with(LEARNING_CURVES, |file| {
             let mut table = csv::Writer::from_writer(file);
             for point in arms
@@ -119,23 +120,31 @@ impl Study {
     }
 }
 
+/// Writes the rows of all trials. Ends with an error after the first trial whose result differs from the stored one, and
+/// describes it in `differs`.
 fn write_rows(
-    (protocol, agents): (&Protocol, &Agents),
+    (folder, agents): (&StudyFolder, &Agents),
     pool: &ThreadPool,
     table: &mut csv::Writer<impl Write>,
     sums: &mut [CurveSums],
     stop: &dyn Fn() -> bool,
+    differs: &mut Option<Error>,
 ) -> io::Result<()> {
+    let protocol = folder.protocol();
     let trials: Vec<usize> = (0..protocol.len()).collect();
     for trials in trials.chunks(TRIALS_PER_THREAD * pool.current_num_threads()) {
         if stop() {
             return Err(io::ErrorKind::Interrupted.into());
         }
-        let rows = |&trial: &usize| rows(protocol, agents, trial);
-        let all: Vec<Vec<EpisodeRow>> = pool.install(|| trials.par_iter().map(rows).collect());
-        for (trial, rows) in trials.iter().zip(&all) {
+        let repeat = |&trial: &usize| Repeated::new(protocol, agents, trial);
+        let all: Vec<Repeated> = pool.install(|| trials.par_iter().map(repeat).collect());
+        for Repeated { record, rows } in &all {
+            if let Err(fault) = folder.require_equal(record) {
+                *differs = Some(fault);
+                return Err(io::ErrorKind::Other.into());
+            }
             if !rows.is_empty() {
-                sums[trial / protocol.trials].add(rows.iter().map(|row| row.steps));
+                sums[record.trial / protocol.trials].add(rows.iter().map(|row| row.steps));
             }
             rows.iter().try_for_each(|row| table.serialize(row))?;
         }
@@ -143,17 +152,23 @@ fn write_rows(
     Ok(())
 }
 
-/// Returns the rows of a trial, or none if the trial fails.
-fn rows(protocol: &Protocol, agents: &Agents, number: usize) -> Vec<EpisodeRow> {
-    let run = || -> Result<Vec<EpisodeRow>, String> {
-        let mut trial = trial(protocol, agents, number)?;
+/// A repeated trial.
+struct Repeated {
+    record: TrialRecord,
+    /// A row for each episode. Empty if the trial failed.
+    rows: Vec<EpisodeRow>,
+}
+
+impl Repeated {
+    fn new(protocol: &Protocol, agents: &Agents, number: usize) -> Self {
         let mut rows = Vec::new();
-        while !trial.is_finished() {
-            let (episode, _) = trial.run_episode(&mut ());
-            rows.push(EpisodeRow::new(protocol, number, &trial, &episode));
+        let each = &mut |trial: &Trial, episode: &Episode| {
+            rows.push(EpisodeRow::new(protocol, number, trial, episode));
+        };
+        let record = TrialRecord::of_episodes(protocol, agents, number, each);
+        if record.result.is_err() {
+            rows.clear();
         }
-        Ok(rows)
-    };
-    let rows = catch_unwind(AssertUnwindSafe(run));
-    rows.ok().and_then(Result::ok).unwrap_or_default()
+        Self { record, rows }
+    }
 }

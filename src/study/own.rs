@@ -7,7 +7,7 @@ use std::path::Path;
 use super::error;
 use super::protocol::Protocol;
 use super::runner::{StudyWatcher, run_trials};
-use super::store::StudyFolder;
+use super::store::{StudyFolder, TrialRecord};
 use crate::agent::Agent;
 use crate::error::Error;
 use crate::trial::Plan;
@@ -95,7 +95,8 @@ impl Study {
     /// 0). The results do not depend on `jobs`.
     ///
     /// # Errors
-    /// When the folder contains another study, is in use, or cannot be written.
+    /// When the folder contains another study, is in use, or cannot be written, or a custom agent has another result
+    /// than the one stored.
     pub fn run(
         &self,
         out: &Path,
@@ -103,6 +104,7 @@ impl Study {
         watcher: &mut dyn StudyWatcher,
     ) -> Result<StudyFolder, Error> {
         let mut folder = StudyFolder::open(out, &self.protocol)?;
+        self.require_same_agents(&folder)?;
         watcher.begins(folder.missing().len());
         for task in 1..=folder.planned().tasks() {
             let trials = folder.missing_of(task);
@@ -112,5 +114,19 @@ impl Study {
             }
         }
         Ok(folder)
+    }
+
+    /// Repeats the first stored trial of each custom agent. A changed agent would mix its results with earlier ones.
+    fn require_same_agents(&self, folder: &StudyFolder) -> Result<(), Error> {
+        self.agents.0.keys().try_for_each(|name| {
+            let is_own = |record: &TrialRecord| {
+                let agent = &self.protocol.arm(record.trial).agent;
+                agent.as_ref() == Some(name) && record.result.is_ok()
+            };
+            folder.records().find(is_own).map_or(Ok(()), |stored| {
+                let repeated = TrialRecord::of(&self.protocol, &self.agents, stored.trial);
+                folder.require_equal(&repeated)
+            })
+        })
     }
 }

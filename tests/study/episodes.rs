@@ -20,6 +20,46 @@ fn rows(table: impl Read) -> Vec<Row> {
     table.deserialize().map(|row| row.unwrap()).collect()
 }
 
+/// Adds a step to the first trial of `q-learning` in a journal, as another version of the program could.
+fn add_a_step(desk: &Desk, name: &str) {
+    let journals = desk.path(name).join("journals");
+    let journal = fs::read_dir(journals).unwrap().next().unwrap().unwrap();
+    let text = fs::read_to_string(journal.path()).unwrap();
+    let lines = text.lines().map(|line| match line.split_once(' ') {
+        Some((_, json)) if json.starts_with("{\"trial\":0,") => {
+            let mut record: serde_json::Value = serde_json::from_str(json).unwrap();
+            let steps = &mut record["result"]["Ok"]["progress"]["steps"];
+            *steps = (steps.as_u64().unwrap() + 1).into();
+            let json = record.to_string();
+            format!("{:08x} {json}\n", crc32fast::hash(json.as_bytes()))
+        }
+        _ => format!("{line}\n"),
+    });
+    fs::write(journal.path(), lines.collect::<String>()).unwrap();
+}
+
+#[test]
+fn a_repeat_that_differs_from_the_stored_result_is_an_error() {
+    let desk = Desk::new();
+    let file = SMALL.replace(r#"["xcs", "xcscr"]"#, r#"["q-learning"]"#);
+    desk.write("one.toml", &file.replace("trials = 4", "trials = 1"));
+    desk.done("run one.toml --out a --quiet");
+    desk.done("episodes a");
+    for name in ["episodes.csv.gz", "learning-curves.csv"] {
+        fs::remove_file(desk.path("a").join(name)).unwrap();
+    }
+    add_a_step(&desk, "a");
+    let words =
+        "trial 1 of maze4 q-learning grid neighbours has another result when it is repeated";
+    desk.refused("episodes a --force", 65, words);
+    assert!(
+        !desk.path("a/episodes.csv.gz").exists(),
+        "nothing is written"
+    );
+    let best = desk.json("status a --json");
+    assert_eq!(best["finished"], 2, "control: the journal is read");
+}
+
 /// The rows that have the same values as this one in some columns.
 fn same<'a>(all: &'a [Row], one: &Row, keys: &[&str]) -> Vec<&'a Row> {
     let is_same = |row: &&Row| keys.iter().all(|key| row[*key] == one[*key]);

@@ -75,6 +75,36 @@ fn an_agent_of_ones_own_runs_in_every_world_with_the_seeds_of_the_others_and_cha
     );
 }
 
+/// Runs a study with an agent of another step limit under the name of the first one.
+fn changed(study: Study) -> Study {
+    let built = study.with_agent("fewest-steps", |plan| {
+        let mut plan = plan.clone();
+        plan.config.settings.reward.step_threshold = 30;
+        Box::new(FewestSteps::new(&plan))
+    });
+    built.unwrap()
+}
+
+#[test]
+fn results_of_a_changed_agent_are_not_mixed_with_earlier_ones() {
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("own");
+    drop(run(&with_own(study()), path.clone()));
+    drop(run(&with_own(study()), path.clone()));
+    let changed = changed(study());
+    let words =
+        "trial 1 of maze4 fewest-steps grid neighbours has another result when it is repeated";
+    let fault = changed.run(&path, 1, &mut ()).unwrap_err().to_string();
+    assert!(fault.contains(words) && fault.contains("--out"), "{fault}");
+    let folder = StudyFolder::read_locked(&path).unwrap();
+    let fault = changed.write_episodes(&folder, 1, &|| false).unwrap_err();
+    assert!(fault.to_string().contains(words), "{fault}");
+    assert!(!path.join("episodes.csv.gz").exists());
+    with_own(study())
+        .write_episodes(&folder, 1, &|| false)
+        .expect("control");
+}
+
 #[test]
 fn names_that_are_taken_or_no_names_are_refused() {
     for (name, words) in [

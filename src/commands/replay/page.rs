@@ -53,7 +53,7 @@ pub(super) fn is_episode(file: &Path) -> bool {
 
 /// Repeats the best trial of a study and returns its page.
 fn page_of_study(study: &StudyFolder, out: &mut Results) -> Result<String, Failure> {
-    let Some((number, plan)) = study.best_trial() else {
+    let Some((number, plan)) = study.best_trial()? else {
         let path = study.path().display();
         let message = format!("no trial of the study in {path} reached a goal");
         return Err(Failure::new(ErrorKind::Missing, message));

@@ -204,8 +204,11 @@ impl StudyFolder {
     }
 
     /// Returns the best trial of a built-in method and its plan: optimal at the end, after the
-    /// fewest steps, and the first of several. `None` if no such trial reached a goal.
-    pub fn best_trial(&self) -> Option<(usize, Plan)> {
+    /// fewest steps, and the first of several. `None` if no such trial reached a goal. Repeats the trial.
+    ///
+    /// # Errors
+    /// [`ErrorKind::BadData`] when the trial has another result than the stored one.
+    pub fn best_trial(&self) -> Result<Option<(usize, Plan)>, Error> {
         let reached = self.records().filter_map(|record| {
             let progress = record.result.ok()?.progress;
             let steps = progress.first_optimal_env_steps.unwrap_or(u64::MAX);
@@ -213,9 +216,35 @@ impl StudyFolder {
             let progress = Some(progress).filter(|_| !is_own)?;
             Some((!progress.optimal, steps, progress.best_steps?, record.trial))
         });
-        let (.., number) = reached.min()?;
-        let trial = trial(self.protocol(), &Agents::default(), number).ok()?;
-        Some((number, trial.plan().clone()))
+        let Some((.., number)) = reached.min() else {
+            return Ok(None);
+        };
+        let (protocol, agents) = (self.protocol(), Agents::default());
+        self.require_equal(&TrialRecord::of(protocol, &agents, number))?;
+        let trial = trial(protocol, &agents, number).ok();
+        Ok(trial.map(|trial| (number, trial.plan().clone())))
+    }
+
+    /// Checks that a repeated trial has the stored result, if there is one.
+    ///
+    /// # Errors
+    /// [`ErrorKind::BadData`] when it has another one.
+    pub(in crate::study) fn require_equal(&self, repeated: &TrialRecord) -> Result<(), Error> {
+        let stored = self.records.get(repeated.trial);
+        if stored.is_none_or(|stored| stored.equals(repeated)) {
+            return Ok(());
+        }
+        let protocol = self.protocol();
+        let (number, arm) = (
+            protocol.replicate(repeated.trial),
+            protocol.arm(repeated.trial).name(),
+        );
+        Err(ErrorKind::BadData.error(format!(
+            "trial {number} of {arm} has another result when it is repeated than the one stored in {}: the program, the \
+             machine or the agent has changed, or the agent is not deterministic; run the study again in another \
+             folder (`--out`)",
+            self.path().display()
+        )))
     }
 
     /// Checks that all trials are finished.

@@ -4,6 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
 
+use crate::episode::Episode;
 use crate::study::own::Agents;
 use crate::study::protocol::Protocol;
 use crate::trial::{Compacted, Config, Evaluation, GreedySteps, Plan, Progress, Trial};
@@ -118,9 +119,19 @@ impl TrialRecord {
     /// Runs a trial of a study to its end. An error of the trial, even a panic, becomes part of the
     /// record.
     pub(in crate::study) fn of(protocol: &Protocol, agents: &Agents, trial: usize) -> Self {
+        Self::of_episodes(protocol, agents, trial, &mut |_, _| ())
+    }
+
+    /// The same as [`Self::of`]. Calls `each` with the trial after each episode.
+    pub(in crate::study) fn of_episodes(
+        protocol: &Protocol,
+        agents: &Agents,
+        trial: usize,
+        each: &mut dyn FnMut(&Trial, &Episode),
+    ) -> Self {
         let result = catch_unwind(AssertUnwindSafe(|| {
             let trial = self::trial(protocol, agents, trial)?;
-            figures(&mut finished(trial), protocol.drives)
+            figures(&mut finished(trial, each), protocol.drives)
         }));
         let result = result.unwrap_or_else(|panic| Err(words(&*panic)));
         let result = result.map_err(shortened);
@@ -146,6 +157,15 @@ impl TrialRecord {
         figures.map_err(|fault| format!("trial {trial}: {fault}"))
     }
 
+    /// Returns true if both have the same figures, or both failed. The texts of errors may differ, as an address or a
+    /// time in them does.
+    pub(super) fn equals(&self, other: &Self) -> bool {
+        match (&self.result, &other.result) {
+            (Ok(one), Ok(other)) => one == other,
+            (one, other) => one.is_err() == other.is_err(),
+        }
+    }
+
     /// Returns the figures, or `None` if the trial failed.
     pub fn figures(&self) -> Option<&Figures> {
         self.result.as_ref().ok()
@@ -169,7 +189,9 @@ pub(in crate::study) fn trial(
     };
     let mut plan = protocol.plan(number);
     if let Some(earlier) = protocol.earlier_plan(number) {
-        let knowledge = finished(begin(earlier)?).method().knowledge();
+        let knowledge = finished(begin(earlier)?, &mut |_, _| ())
+            .method()
+            .knowledge();
         plan.config.initial = Some(knowledge);
     }
     begin(plan)
@@ -192,9 +214,13 @@ fn figures(trial: &mut Trial, drives: u32) -> Result<Figures, String> {
     })
 }
 
-fn finished(mut trial: Trial) -> Trial {
-    // An observer `()` never stops a run.
-    let _ = trial.run(&mut ());
+/// Runs a trial to its end. Calls `each` after each episode.
+fn finished(mut trial: Trial, each: &mut dyn FnMut(&Trial, &Episode)) -> Trial {
+    while !trial.is_finished() {
+        // An observer `()` never stops a run.
+        let (episode, _) = trial.run_episode(&mut ());
+        each(&trial, &episode);
+    }
     trial
 }
 

@@ -10,17 +10,14 @@ pub struct Records(BTreeMap<usize, Result<Figures, String>>);
 
 impl Records {
     /// Adds a record, unless it is already there. Returns false if the trial already has a
-    /// different result. The texts of errors may differ, as an address or a time in them does.
+    /// different result.
     #[must_use]
     pub fn insert(&mut self, record: &TrialRecord) -> bool {
-        let known = self.0.entry(record.trial);
-        match (
-            known.or_insert_with(|| record.result.clone()),
-            &record.result,
-        ) {
-            (Ok(known), Ok(figures)) => known == figures,
-            (known, result) => known.is_err() == result.is_err(),
+        if let Some(known) = self.get(record.trial) {
+            return known.equals(record);
         }
+        self.0.insert(record.trial, record.result.clone());
+        true
     }
 
     /// Returns the record of a trial.
