@@ -55,7 +55,9 @@ pub fn run_study(
 ) -> PyResult<Study> {
     let file = StudyFile::parse(text, ORIGIN, Path::new(""));
     let protocol = file.and_then(|file| Protocol::new(&file, &Overrides::default()));
-    let mut study = xcscr::study::Study::new(protocol.map_err(invalid)?);
+    let study = xcscr::study::Study::new(protocol.map_err(invalid)?);
+    // An exception of an agent interrupts a study, and is no result.
+    let mut study = study.retry_failed(true);
     let fault = Fault::default();
     for (name, class) in agents {
         let fault = fault.clone();
@@ -83,7 +85,7 @@ fn refuse_failed(folder: &StudyFolder) -> PyResult<()> {
     faults.next().map_or(Ok(()), |first| {
         let (count, path) = (1 + faults.count(), folder.path().display());
         Err(PyRuntimeError::new_err(format!(
-            "{count} trials failed; the first: {first}; use another folder than {path} for the next run"
+            "{count} trials in {path} failed; the first: {first}; the same call repeats them"
         )))
     })
 }

@@ -161,6 +161,24 @@ def test_a_built_in_method_in_a_study_is_the_one_of_train():
     assert list(alone.episodes()["steps"]) == list(first["steps"])
 
 
+def test_a_trial_that_failed_is_repeated_by_the_same_call(tmp_path):
+    class Fragile(QLearning):
+        is_broken = True
+
+        def learn(self, *step):
+            if self.is_broken:
+                raise KeyError("mine")
+            super().learn(*step)
+
+    given = {"worlds": ["maze4"], "out": tmp_path / "own"}
+    for _ in range(2):
+        with pytest.raises(KeyError, match="mine"):
+            study(["q-learning", Fragile], **given)
+    Fragile.is_broken = False
+    trials = study(["q-learning", Fragile], **given).trials()
+    assert len(trials) == 6 and (trials["error"] == "").all()
+
+
 def test_an_exception_of_an_agent_ends_the_study():
     class Broken(QLearning):
         def learn(self, *step):

@@ -57,13 +57,23 @@ impl fmt::Debug for Agents {
 pub struct Study {
     protocol: Protocol,
     pub(super) agents: Agents,
+    retry_failed: bool,
 }
 
 impl Study {
     /// Creates a study of built-in methods.
     pub fn new(protocol: Protocol) -> Self {
-        let agents = Agents::default();
-        Self { protocol, agents }
+        Self {
+            protocol,
+            agents: Agents::default(),
+            retry_failed: false,
+        }
+    }
+
+    /// Sets whether to repeat the trials that failed. Their tables, report and figures are removed first.
+    pub fn retry_failed(mut self, retry: bool) -> Self {
+        self.retry_failed = retry;
+        self
     }
 
     /// Adds a custom agent in the worlds, arenas, sensors and variants of the built-in methods,
@@ -105,6 +115,9 @@ impl Study {
     ) -> Result<StudyFolder, Error> {
         let mut folder = StudyFolder::open(out, &self.protocol)?;
         self.require_same_agents(&folder)?;
+        if self.retry_failed {
+            folder.remove_failed()?;
+        }
         watcher.begins(folder.missing().len());
         for task in 1..=folder.planned().tasks() {
             let trials = folder.missing_of(task);

@@ -116,6 +116,36 @@ fn a_trial_that_fails_is_a_row_with_its_error() {
     let is_told = rows[3].starts_with("woods1,xcs,physics,") && rows[3].contains("joins its edges");
     assert!(is_told, "{table}");
     desk.refused(words, 1, "2 trials failed");
+    desk.refused(&format!("{words} --retry-failed"), 1, "2 trials failed");
+}
+
+#[test]
+fn a_failed_trial_is_repeated_on_request_and_the_study_is_as_if_it_had_never_failed() {
+    let desk = Desk::new();
+    desk.done("run small.toml --out whole --episodes-csv --quiet");
+    desk.done("run small.toml --out a --quiet");
+    for trial in [0, 5] {
+        desk.edit_record("a", trial, |record| {
+            record["result"] = serde_json::json!({ "Err": "no space left on device" });
+        });
+    }
+    desk.refused("run small.toml --out a --force", 1, "2 trials failed");
+    let status = desk.json("status a --json");
+    assert_eq!(status["failed"], serde_json::json!([0, 5]));
+    desk.refused(
+        "episodes a --force",
+        65,
+        "has another result when it is repeated",
+    );
+    desk.done("run small.toml --out a --retry-failed --episodes-csv --quiet");
+    for name in ["trials.csv", "summary.json", "report.md", "episodes.csv.gz"] {
+        let [one, other] = ["a", "whole"].map(|study| desk.path(study).join(name));
+        assert!(fs::read(one).unwrap() == fs::read(other).unwrap(), "{name}");
+    }
+    desk.done("run small.toml --out a --retry-failed --quiet");
+    assert!(desk.path("a/episodes.csv.gz").exists(), "nothing failed");
+    let status = desk.json("status a --json");
+    assert_eq!(status["failed"], serde_json::json!([]));
 }
 
 #[test]

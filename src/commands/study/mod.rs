@@ -120,6 +120,9 @@ pub struct RunArgs {
     /// Replace another study in this folder, and changes made by hand.
     #[arg(long)]
     force: bool,
+    /// Repeat the trials that failed. Replaces tables, report and figures if there are any.
+    #[arg(long)]
+    retry_failed: bool,
     /// Write a row for each episode into episodes.csv.gz at the end. This repeats the trials.
     #[arg(long)]
     episodes_csv: bool,
@@ -188,7 +191,7 @@ fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
     let interrupt =
         Interrupt::watch(move || Failure::new(ErrorKind::Interrupted, shutdown_message))?;
     let mut progress = Progress::new(args.quiet, interrupt);
-    let study = Study::new(protocol);
+    let study = Study::new(protocol).retry_failed(args.retry_failed);
     let folder = study
         .run(&path, args.jobs.into(), &mut progress)?
         .replacing(args.force);
@@ -306,6 +309,8 @@ fn refuse_failed(folder: &StudyFolder) -> Result<(), Failure> {
         return Ok(());
     };
     let (count, path) = (1 + faults.count(), folder.path().display());
-    let message = format!("{count} trials failed, see {path}/trials.csv; the first: {first}");
+    let message = format!(
+        "{count} trials failed, see {path}/trials.csv; the first: {first}; `study run --retry-failed` repeats them"
+    );
     Err(Failure::new(ErrorKind::Refuted, message))
 }

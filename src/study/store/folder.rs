@@ -127,6 +127,15 @@ impl StudyFolder {
         PlannedStudy::new(path, protocol.clone(), 1)?.write(true)
     }
 
+    /// Removes the failed trials and what was generated from them, so that the trials are run again. Their lines stay in
+    /// the journals until a result replaces them.
+    pub(in crate::study) fn remove_failed(&mut self) -> Result<(), Error> {
+        match self.records.remove_failed() {
+            true => Self::remove_outputs(self.path()),
+            false => Ok(()),
+        }
+    }
+
     /// Copies the trials of a study, which must be complete, into the folder `out`, as one task.
     ///
     /// # Errors

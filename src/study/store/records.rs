@@ -9,15 +9,25 @@ use super::record::{Figures, TrialRecord};
 pub struct Records(BTreeMap<usize, Result<Figures, String>>);
 
 impl Records {
-    /// Adds a record, unless it is already there. Returns false if the trial already has a
-    /// different result.
+    /// Adds a record, unless it is already there. A result replaces a failure, which was repeated. Returns false if
+    /// the trial already has a different result.
     #[must_use]
     pub fn insert(&mut self, record: &TrialRecord) -> bool {
-        if let Some(known) = self.get(record.trial) {
-            return known.equals(record);
+        match (self.0.get(&record.trial), &record.result) {
+            (Some(Ok(known)), Ok(figures)) => known == figures,
+            (Some(Ok(_)), Err(_)) | (Some(Err(_)), Err(_)) => true,
+            (Some(Err(_)), Ok(_)) | (None, _) => {
+                self.0.insert(record.trial, record.result.clone());
+                true
+            }
         }
-        self.0.insert(record.trial, record.result.clone());
-        true
+    }
+
+    /// Removes the failed trials. Returns true if there were any.
+    pub fn remove_failed(&mut self) -> bool {
+        let all = self.0.len();
+        self.0.retain(|_, result| result.is_ok());
+        self.0.len() < all
     }
 
     /// Returns the record of a trial.
