@@ -17,17 +17,19 @@ MOST_EXACT = 16
 DRAWS = 20_000
 
 
-def switches(variant):
-    words = (word.split("=") for word in variant.split())
-    return {key: value == "true" for key, value in words if value in ("true", "false")}
+def settings(variant):
+    """The varied settings of a row, by key."""
+    return dict(word.split("=", 1) for word in variant.split())
 
 
 def differences(trials, switch):
-    """One number per seed. `trials` has (seed, states of the switches, solved)."""
-    by_seed = {}
+    """One number per seed. `trials` has (seed, settings, solved). Counts only pairs of trials that differ in nothing else."""
+    pairs = {}
     for seed, states, solved in trials:
-        by_seed.setdefault(seed, {True: [], False: []})[states[switch]].append(solved)
-    return [mean(own[True]) - mean(own[False]) for own in by_seed.values()]
+        others = tuple(sorted((key, value) for key, value in states.items() if key != switch))
+        pairs.setdefault(seed, {}).setdefault(others, {})[states.get(switch)] = solved
+    matched = ([pair["true"] - pair["false"] for pair in own.values() if {"true", "false"} <= pair.keys()] for own in pairs.values())
+    return [mean(numbers) for numbers in matched if numbers]
 
 
 def sign_flip_p(numbers):
@@ -43,12 +45,14 @@ def sign_flip_p(numbers):
 
 
 def check():
-    """A switch without effect must not change the p of another one: five seeds give 2 / 2^5."""
-    states = [{"a": a, "b": b} for a, b in product((True, False), repeat=2)]
-    trials = [(seed, state, state["a"]) for seed in range(6) for state in states]
+    """A switch without effect must not change the p of another one: five seeds give 2 / 2^5. Unmatched trials do not count."""
+    states = [{"a": a, "b": b, "c": c} for a, b, c in product(("true", "false"), ("true", "false"), "12")]
+    trials = [(seed, state, state["a"] == "true") for seed in range(6) for state in states]
     assert sign_flip_p(differences(trials, "a")) == 0.03125
-    assert sign_flip_p(differences(trials[:20], "a")) == 0.0625
+    assert sign_flip_p(differences(trials[:40], "a")) == 0.0625
     assert sign_flip_p(differences(trials, "b")) == 1
+    # A sample in which a is on where c is 1, and off where it is 2, says nothing about a.
+    assert differences([trial for trial in trials if (trial[1]["a"] == "true") == (trial[1]["c"] == "1")], "a") == []
 
 
 def main():
@@ -56,12 +60,14 @@ def main():
     with open(sys.argv[1], newline="") as file:
         for row in csv.DictReader(file):
             if not row["error"]:
-                trial = (row["seed"], switches(row["variant"]), row["first_optimal_episode"] != "")
-                places.setdefault((row["world"], row["method"]), []).append(trial)
-    for (world, method), trials in places.items():
-        for switch in trials[0][1]:
+                trial = (row["seed"], settings(row["variant"]), row["first_optimal_episode"] != "")
+                place = [row[key] for key in ("world", "method", "arena", "sensor")]
+                places.setdefault(" ".join(place), []).append(trial)
+    for place, trials in places.items():
+        for switch in sorted({key for _, states, _ in trials for key, value in states.items() if value in ("true", "false")}):
             effect = differences(trials, switch)
-            print(f"{world} {method} {switch}: {100 * mean(effect):+.1f} points, p = {sign_flip_p(effect):.4f}")
+            if effect:
+                print(f"{place} {switch}: {100 * mean(effect):+.1f} points, {len(effect)} seeds, p = {sign_flip_p(effect):.4f}")
 
 
 if __name__ == "__main__":

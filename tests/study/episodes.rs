@@ -129,7 +129,7 @@ fn learning_curves_are_the_means_of_the_table_of_episodes_and_stand_in_the_repor
 }
 
 #[test]
-fn a_sweep_of_two_settings_is_tested_against_its_first_values() {
+fn each_value_of_a_sweep_is_tested_against_the_first_where_nothing_else_differs() {
     let desk = Desk::new();
     let small = SMALL.replace(r#", "xcscr"]"#, "]");
     let small = small.replace(r#", "maze5"]"#, "]") + "[sweep]\n\"xcs.beta\" = [0.1, 0.2, 0.3]\n";
@@ -137,9 +137,72 @@ fn a_sweep_of_two_settings_is_tested_against_its_first_values() {
     let report = desk.done("run sweep.toml --out a --quiet");
     let json = desk.json("report a --json");
     let comparisons = json["comparisons"].as_array().unwrap();
-    assert_eq!(comparisons.len(), 5, "{report}");
-    for comparison in comparisons {
-        assert_eq!(comparison["against"], "xcs.beta=0.1 xcs.mu=0.1");
+    let words = |one: &serde_json::Value| {
+        let word = |key: &str| one[key].as_str().unwrap().to_owned();
+        format!(
+            "{} - {}, {}",
+            word("method"),
+            word("against"),
+            word("setting")
+        )
+    };
+    let found: Vec<String> = comparisons.iter().map(words).collect();
+    let mut expected = Vec::new();
+    for beta in ["0.1", "0.2", "0.3"] {
+        for mu in ["0.1", "0.2"] {
+            if beta != "0.1" {
+                expected.push(format!(
+                    "xcs xcs.beta={beta} - xcs.beta=0.1, grid, neighbours xcs.mu={mu}"
+                ));
+            }
+            if mu != "0.1" {
+                expected.push(format!(
+                    "xcs xcs.mu={mu} - xcs.mu=0.1, grid, neighbours xcs.beta={beta}"
+                ));
+            }
+        }
     }
+    assert_eq!(found, expected, "{report}");
     assert!(report.contains("4 trials of each detect"), "{report}");
+}
+
+#[test]
+fn no_comparison_is_of_arms_that_differ_in_two_things() {
+    let desk = Desk::new();
+    let more = "without = [\"xcs.ga\"]\n[sweep]\n\"xcs.beta\" = [0.1, 0.2]\n\"xcs.action_set_subsumption\" = [true, false]\n";
+    desk.write(
+        "both.toml",
+        &(SMALL.replace("trials = 4", "trials = 2") + more),
+    );
+    desk.done("run both.toml --out a --quiet --episodes 2");
+    let json = desk.json("report a --json");
+    let comparisons = json["comparisons"].as_array().unwrap();
+    for comparison in comparisons {
+        let [method, against, setting] =
+            ["method", "against", "setting"].map(|key| comparison[key].as_str().unwrap());
+        let varied = |text: &str| text.matches(['=', ' ']).count();
+        let (ours, theirs) = (
+            method.split_once(' ').map_or("", |(_, value)| value),
+            against,
+        );
+        let key = |value: &str| {
+            value
+                .split(['=', ' '])
+                .next()
+                .unwrap_or_default()
+                .to_owned()
+        };
+        let is_of_methods = ours.is_empty();
+        assert!(
+            is_of_methods || key(ours) == key(theirs),
+            "{method} - {against}, {setting}"
+        );
+        assert!(varied(theirs) <= 1, "{method} - {against}, {setting}");
+        assert!(
+            is_of_methods || !setting.contains(&format!("{}=", key(ours))),
+            "{method} - {against}, {setting}"
+        );
+    }
+    // In two worlds: 8 of methods; for each of two methods 4 without the GA, 4 of beta and 4 of subsumption.
+    assert_eq!(comparisons.len(), 2 * (8 + 2 * (4 + 4 + 4)));
 }

@@ -65,7 +65,8 @@ impl Comparison {
 
     /// Returns all comparisons in each world. `xcscr-plus` (or else `xcscr`, or the last method) is
     /// compared with each other method. Each value of `after` or `without` is compared with
-    /// nothing. Each combination of swept values is compared with the first one.
+    /// nothing. Each value of a swept setting is compared with the first one. The arms of a comparison differ in
+    /// nothing else.
     pub fn all(arms: &[ArmRecords<'_>]) -> Vec<Self> {
         let mut families: Vec<(String, Vec<Self>)> = Vec::new();
         for pair in pairs(arms) {
@@ -191,58 +192,43 @@ fn pairs_without<'a>(arms: &'a [ArmRecords<'a>], key: &str) -> Vec<Pair<'a>> {
     arms.iter().filter_map(pair).collect()
 }
 
-/// Pairs each combination of swept values with the first one of its place and method, which
-/// together are a family. Returns none where only switches are swept, which have their own tests,
-/// and none for large searches.
+/// Pairs each value of a swept setting with its first one, where everything else is the same. All pairs of a place and
+/// method are a family. Returns none for large searches.
 fn pairs_of_values<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
-    let switches = switches(arms);
-    let of_values = |arm: &Arm| {
-        let mut keys = arm.variant.0.keys();
-        let is_other =
-            |key: &String| switches.contains(key) || AGAINST_NOTHING.contains(&key.as_str());
-        keys.any(|key| !is_other(key))
-    };
     let place = |arm: &Arm| {
         let (world, method) = (arm.world.clone(), arm.method_name().to_owned());
-        (world, method, arm.arena, arm.sensor, arm.after.clone())
+        (world, method, arm.arena, arm.sensor)
     };
-    let pair = |one: &'a ArmRecords<'a>| {
-        let mut same_place = arms
-            .iter()
-            .filter(|other| place(other.arm) == place(one.arm));
-        let few = same_place.clone().count() <= MOST_VALUES;
-        let other = same_place
-            .next()
-            .filter(|other| few && other.arm.variant != one.arm.variant)?;
-        let ours = format!("{} {}", one.arm.method_name(), one.arm.variant);
-        let setting = format!("{}, {}", one.arm.arena.name(), one.arm.sensor.name());
-        let names = [ours, other.arm.variant.to_string(), setting];
-        let family = format!("values {:?}", place(one.arm));
+    let pair = |one: &'a ArmRecords<'a>, key: &String| {
+        let (there, setting) = (place(one.arm), setting(one.arm, key));
+        let same_place = || arms.iter().filter(|other| place(other.arm) == there);
+        let differs_in_key = |other: &&ArmRecords<'_>| self::setting(other.arm, key) == setting;
+        let other = same_place().find(differs_in_key)?;
+        let [ours, theirs] = [one, other].map(|records| value_of(records.arm, key));
+        if ours == theirs || same_place().count() > MOST_VALUES {
+            return None;
+        }
+        let ours = format!("{} {ours}", one.arm.method_name());
         Some(Pair {
             one,
             other,
-            names,
-            family,
+            names: [ours, theirs, setting],
+            family: format!("values {there:?}"),
         })
     };
-    arms.iter()
-        .filter(|one| of_values(one.arm))
-        .filter_map(pair)
-        .collect()
+    let is_swept = |key: &&String| !AGAINST_NOTHING.contains(&key.as_str());
+    let of_arm = |one: &'a ArmRecords<'a>| {
+        let keys = one.arm.variant.0.keys().filter(is_swept);
+        keys.filter_map(move |key| pair(one, key))
+    };
+    arms.iter().flat_map(of_arm).collect()
 }
 
-/// Returns the varied settings that take both true and false in a study, and no other value.
-fn switches(arms: &[ArmRecords<'_>]) -> Vec<String> {
-    let Some(first) = arms.first() else {
-        return Vec::new();
-    };
-    let state = |one: &ArmRecords<'_>, key: &str| one.arm.variant.0.get(key)?.as_bool();
-    let takes = |key: &str, value: bool| arms.iter().any(|one| state(one, key) == Some(value));
-    let always = |key: &str| arms.iter().all(|one| state(one, key).is_some());
-    let keys = first.arm.variant.0.keys();
-    keys.filter(|key| always(key) && takes(key, true) && takes(key, false))
-        .cloned()
-        .collect()
+/// Returns a varied setting and its value, as in `xcs.beta=0.1`.
+fn value_of(arm: &Arm, key: &str) -> String {
+    let mut variant = arm.variant.clone();
+    variant.0.retain(|other, _| other == key);
+    variant.to_string()
 }
 
 /// Returns the method that is compared with all others.
@@ -309,7 +295,7 @@ pub fn table(comparisons: &[Comparison], letters: &[(String, String)]) -> Table 
 pub const LEGEND: &str = "Trials with the same seed are pairs. points: how much larger the share of \
     optimal trials is, with McNemar's exact p. sooner, later: the number of pairs in which the first needed fewer or more \
     environment steps to its first optimum (a trial without one counts as later than any with one), \
-    with the p of the sign test. Holm: corrected over all worlds and methods (or parts left out, or combinations of a sweep) of one setting. \
+    with the p of the sign test. Holm: corrected over all worlds and methods (or parts left out, or values of a sweep) of one setting. \
     trials needed: trials of each to distinguish such shares with a power of 80 %, without pairs.";
 
 /// Describes the number of decided comparisons in a sentence.
