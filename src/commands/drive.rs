@@ -127,6 +127,10 @@ fn repeat(mut driver: Driver, bag: &Path, out: &mut Results) -> Result<(), Failu
         }
     }
     let count = own.len();
+    if count == 0 && decisions.is_empty() {
+        let message = format!("{} led to no decision", bag.display());
+        return Err(Failure::new(ErrorKind::Refuted, message));
+    }
     if decisions.is_empty() {
         writeln!(out, "{count} decisions")?;
         return Ok(());

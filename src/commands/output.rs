@@ -60,6 +60,6 @@ fn unwritten(path: &Path, cause: &io::Error) -> Failure {
         io::ErrorKind::StorageFull | io::ErrorKind::FileTooLarge => ErrorKind::Io,
         _ => ErrorKind::CannotCreate,
     };
-    let (name, way_out) = (path.display(), disk::way_out(cause));
+    let (name, way_out) = (path.display(), disk::way_out_of_writing(cause));
     Failure::new(kind, format!("cannot write {name}: {cause}{way_out}"))
 }

@@ -4,8 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
+use xcscr::disk;
 
 use super::failure::Failure;
+use super::terminal::say;
 
 /// Returns the recordings at all paths, in order.
 pub fn all_recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
@@ -33,11 +35,12 @@ pub fn recordings(path: &Path) -> Result<Vec<PathBuf>, Failure> {
         .iter()
         .map(|e| e.path())
         .collect();
-    // Unfinished recordings stay in the list, so that the others are not mistaken for the whole
-    // run.
+    // Unfinished recordings of a stopped run stay in the list, so that the others are not mistaken for the whole run. A
+    // running process changes them while they are read.
+    let is_running = disk::is_in_use(path);
     let is_recording = |file: &PathBuf| {
         let name = file.to_string_lossy();
-        name.ends_with(".mcap") || name.ends_with(".mcap.part")
+        name.ends_with(".mcap") || (name.ends_with(".mcap.part") && !is_running)
     };
     files.retain(is_recording);
     // Sorts episodes by number, because numbers above 9999 have more digits.
@@ -46,6 +49,12 @@ pub fn recordings(path: &Path) -> Result<Vec<PathBuf>, Failure> {
         let number: String = name.chars().filter(char::is_ascii_digit).collect();
         (number.is_empty(), number.len(), name.into_owned())
     });
+    if is_running {
+        let path = path.display();
+        say(&format!(
+            "note: {path} is in use by another process: only its finished recordings are read"
+        ));
+    }
     if files.is_empty() {
         let message = format!("{} holds no recordings (.mcap)", path.display());
         return Err(Failure::new(ErrorKind::Missing, message));

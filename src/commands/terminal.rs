@@ -5,7 +5,7 @@ use std::fmt::{Display, Write as _};
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
-use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
+use percent_encoding::{AsciiSet, CONTROLS, percent_encode};
 use textwrap::core::Word;
 use textwrap::{Options, WordSeparator, WordSplitter};
 
@@ -143,8 +143,7 @@ pub fn write_link(name: &str, address: &str, out: &mut Results) -> Result<(), Un
 /// Returns the address of a file on this machine (`file://...`).
 pub fn file_link(path: &Path) -> String {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    let encoded = whole.to_string_lossy();
-    let encoded = utf8_percent_encode(&encoded, IN_PATHS);
+    let encoded = percent_encode(whole.as_os_str().as_encoded_bytes(), IN_PATHS);
     format!("file://{encoded}")
 }
 

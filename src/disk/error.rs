@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use super::{way_out, way_out_or};
+use super::{way_out, way_out_of_writing, way_out_or};
 use crate::error::{Error, ErrorKind};
 
 /// Returns the conversion of an error when creating a file or folder.
@@ -28,7 +28,7 @@ pub(crate) fn cannot_read(path: &Path) -> impl Fn(io::Error) -> Error {
 /// Earlier files are complete.
 pub(crate) fn cannot_write(path: &Path) -> impl Fn(io::Error) -> Error {
     move |cause| {
-        let (name, hint) = (path.display(), way_out(&cause));
+        let (name, hint) = (path.display(), way_out_of_writing(&cause));
         ErrorKind::Io.error(format!("cannot write {name}: {cause}{hint}"))
     }
 }

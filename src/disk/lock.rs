@@ -128,6 +128,17 @@ pub fn is_foreign_lock(path: &Path) -> bool {
     }
 }
 
+/// Returns true if another process works in a folder. A lock file that a killed process left does not count.
+pub fn is_in_use(folder: &Path) -> bool {
+    let path = folder.join(LOCK);
+    let file = match is_foreign_lock(&path) {
+        true => return false,
+        false => File::open(path),
+    };
+    // The shared lock ends at once, with the file.
+    file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+}
+
 /// Returns the process id in a lock file; `None` if there is no id or no file.
 fn pid_in(path: &Path) -> io::Result<Option<u32>> {
     let text = contents(path)?.unwrap_or_default();
@@ -167,10 +178,13 @@ mod tests {
         assert!(FolderLock::signed(late, &path).unwrap().is_none());
         assert!(path.exists(), "the holder's file is removed");
         acquire(folder.path()).unwrap_err();
+        assert!(is_in_use(folder.path()));
         // Control: the lock ends with its holder, and leaves no file.
         drop(holder);
         drop(acquire(folder.path()).unwrap());
         assert!(!path.exists());
+        fs::write(&path, "123\n").unwrap();
+        assert!(!is_in_use(folder.path()), "left by a killed process");
     }
 
     #[cfg(any(target_os = "linux", target_os = "macos"))]

@@ -16,6 +16,7 @@ pub(crate) use atomic::{
     is_leftover_of, keep_or_create, leftover_of, remove_leftovers, replace, replace_with,
 };
 pub(crate) use error::{cannot_create, cannot_read, cannot_write};
+pub use lock::is_in_use;
 pub(crate) use lock::{FolderLock, LOCK, is_foreign_lock};
 pub use typed::{named, typed};
 pub use xcscr_robot::input::read_text;
@@ -69,7 +70,6 @@ pub(crate) fn require_plain(path: &Path) -> io::Result<()> {
 pub(crate) fn way_out_or(cause: &io::Error, place: &'static str) -> &'static str {
     match way_out(cause) {
         "" => place,
-        _ if cause.kind() == io::ErrorKind::NotFound => place,
         way => way,
     }
 }
@@ -116,16 +116,28 @@ fn differs_from(path: &Path, length: u64, bytes: impl Read) -> io::Result<bool> 
     }
 }
 
-/// Rejects a path that exists, unless `force` allows a regular file to be replaced.
+/// Rejects a path that exists, unless `force` allows a regular file to be replaced. A link is never replaced, because
+/// its target may be what the user means.
 ///
 /// # Errors
-/// [`io::ErrorKind::AlreadyExists`], with the flag that replaces the file.
+/// [`io::ErrorKind::AlreadyExists`], with the remedy.
 pub fn require_free(path: &Path, force: bool) -> io::Result<()> {
     let exists = |what| Err(io::Error::new(io::ErrorKind::AlreadyExists, what));
     match fs::symlink_metadata(path) {
-        Ok(_) if path.exists() && !path.is_file() => exists("it is not a regular file"),
+        Ok(found) if found.is_symlink() => {
+            exists("it is a link: name the file that it leads to, or remove it")
+        }
+        Ok(found) if !found.is_file() => exists("it is not a regular file"),
         Ok(_) if !force => exists("it exists (replace it with `--force`)"),
         _ => Ok(()),
+    }
+}
+
+/// Like [`way_out`], for a file that is written. Only its folder can be missing then.
+pub fn way_out_of_writing(cause: &io::Error) -> &'static str {
+    match cause.kind() {
+        io::ErrorKind::NotFound => "; its folder is gone",
+        _ => way_out(cause),
     }
 }
 
@@ -139,7 +151,6 @@ pub fn way_out(cause: &io::Error) -> &'static str {
     const TOO_MANY_OPEN_FILES: [i32; 1] = [4];
     match (cause.kind(), cause.raw_os_error()) {
         _ if is_full(cause) => "; free some space",
-        (io::ErrorKind::NotFound, _) => "; its folder is gone",
         (_, Some(code)) if TOO_MANY_OPEN_FILES.contains(&code) => {
             "; allow more open files (`ulimit -n`), or close some"
         }

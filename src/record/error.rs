@@ -83,7 +83,7 @@ pub(super) fn without_advice(error: &Error) -> String {
 /// Returns an error of the library as text. Its own text does not contain the system's error.
 pub(super) fn explained(error: &McapError) -> String {
     match error {
-        McapError::Io(cause) => format!("{cause}{}", disk::way_out(cause)),
+        McapError::Io(cause) => format!("{cause}{}", disk::way_out_of_writing(cause)),
         other => other.to_string(),
     }
 }

@@ -12,7 +12,7 @@ use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK};
 use crate::error::{Error, ErrorKind, world_for_run};
 use crate::record::reader::Recording;
-use crate::record::resume_hint::{UNFINISHED, way_to_resume};
+use crate::record::resume_hint::{UNFINISHED, is_resumable, resume_hint, way_to_resume};
 use crate::record::{RecordingKind, RunKind};
 use crate::trial::{Config, Plan};
 use crate::world::Maze;
@@ -216,6 +216,13 @@ impl RunFolder {
         match path.exists() {
             true => Ok(path),
             false if self.is_evaluation() => Err(error::evaluation(&self.path)),
+            false if is_resumable(&self.path) => {
+                let (folder, hint) = (self.path.display(), resume_hint(&self.path));
+                let message = format!(
+                    "{folder} has no {name} yet: the run is not finished; wait until it is, or if it was stopped, {hint}"
+                );
+                Err(ErrorKind::Missing.error(message))
+            }
             false => Err(world_for_run(&self.path).unwrap_or_else(|| {
                 let (path, folder) = (path.display(), self.path.display());
                 let message =

@@ -37,7 +37,7 @@ pub(super) fn io(path: &Path) -> impl Fn(io::Error) -> Error {
             true => ", then run the same command again: finished trials are kept",
             false => "",
         };
-        let (path, hint) = (path.display(), disk::way_out(&cause));
+        let (path, hint) = (path.display(), disk::way_out_of_writing(&cause));
         ErrorKind::Io.error(format!("{path}: {cause}{hint}{again}"))
     }
 }

@@ -5,7 +5,7 @@ use std::fs;
 
 use crate::kit::desk::Desk;
 use crate::kit::folder::contents;
-use crate::kit::program::{ended, output_of, wait_for};
+use crate::kit::program::{ended, output_of, signal, wait_for};
 use crate::kit::script;
 
 #[test]
@@ -26,6 +26,53 @@ fn a_study_goes_on_in_its_own_folder_and_gives_the_same_files_again() {
     let first = contents(&desk.path("s"));
     desk.ok(study);
     assert!(contents(&desk.path("s")) == first, "run again");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_is_never_written_through_or_replaced() {
+    use std::os::unix::fs::symlink;
+    let desk = Desk::new();
+    desk.train("run", "maze4 --arena grid --episodes 2 --method q-learning");
+    desk.write("kept.svg", "mine");
+    symlink(desk.path("kept.svg"), desk.path("link.svg")).unwrap();
+    symlink(desk.path("kept.svg"), desk.path("link.png")).unwrap();
+    symlink(desk.path("nothere.svg"), desk.path("dangling.svg")).unwrap();
+    for line in [
+        "map @run -o @link.svg",
+        "map @run -o @dangling.svg",
+        "export @run --target python -o @link.svg",
+        "recording ros @run/ep-0001.mcap -o @dangling.svg",
+        "map @run -o @link.png",
+    ] {
+        desk.fails(73, line, "it is a link");
+        desk.fails(73, &format!("{line} --force"), "it is a link");
+    }
+    assert_eq!(desk.text("kept.svg"), "mine");
+    assert!(!desk.path("nothere.svg").exists());
+    assert!(desk.path("link.svg").is_symlink() && desk.path("dangling.svg").is_symlink());
+    desk.ok("map @run -o @kept.svg --force");
+}
+
+#[cfg(unix)]
+#[test]
+fn the_recordings_of_a_run_that_lasts_can_be_read() {
+    let desk = Desk::new();
+    let child = desk.spawn("train maze4 --episodes 1000000 --quiet --out @run");
+    wait_for(&desk.path("run/ep-0009.mcap"));
+    for line in ["recording check @run", "recording info @run"] {
+        let (stdout, stderr) = desk.run(0, line);
+        assert!(
+            stdout.contains("ep-0009.mcap") && !stdout.contains(".part"),
+            "{stdout}"
+        );
+        assert!(stderr.contains("is in use by another process"), "{stderr}");
+    }
+    desk.fails(66, "rules @run", "has no rules.json yet");
+    signal(&child, "KILL");
+    output_of(child);
+    // Control: a stopped run has an unfinished recording.
+    desk.fails(65, "recording check @run", "recordings failed the check");
 }
 
 #[cfg(unix)]
@@ -75,5 +122,23 @@ fn a_folder_whose_name_is_no_text_is_named_so_that_a_shell_finds_it() {
     // Not every system has this shell.
     if let Ok(found) = bash.args(["-c", &format!("cd {named}")]).output() {
         assert!(found.status.success(), "{named}");
+    }
+    let mut command = desk.command("train maze4 --episodes 1 --force --out");
+    let (stdout, _) = ended(&command.arg(&out).output().unwrap(), 0, "train");
+    assert!(stdout.contains("run%20%FF/replay.html"), "{stdout}");
+}
+
+#[test]
+fn a_missing_file_is_not_said_to_have_lost_its_folder() {
+    let desk = Desk::new();
+    desk.write("folder/file", "");
+    for line in [
+        "recording check nothere.mcap",
+        "recording verify @folder/nothere.mcap",
+        "replay --html @p.html @nothere",
+    ] {
+        let (_, stderr) = desk.run(66, line);
+        assert!(stderr.contains("No such file"), "{line}: {stderr}");
+        assert!(!stderr.contains("gone"), "{line}: {stderr}");
     }
 }
