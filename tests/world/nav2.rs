@@ -183,6 +183,127 @@ fn every_mode_and_format_is_read_by_the_rules_of_nav2() {
     assert!(is_many, "control: {seen:?}");
 }
 
+/// A map of a white, a grey and a black pixel with these lines in its header.
+fn with_header(lines: &str) -> Result<OccupancyMap, String> {
+    let map = Map(tempfile::tempdir().unwrap());
+    map.keep("map.pgm", b"P5 3 1 255\n\xff\x80\x00");
+    map.yaml(lines);
+    map.load().map_err(|fault| fault.to_string())
+}
+
+#[test]
+fn scalars_of_the_header_are_read_as_nav2_reads_them() {
+    let plain = [0, -1, 100];
+    let negated = [100, -1, 0];
+    // 50 % is between the thresholds: (0.498 - 0.196) / (0.65 - 0.196) is 67 %.
+    let scaled = [0, 67, 100];
+    for (lines, wanted) in [
+        ("negate: 0", plain),
+        ("negate: 1", negated),
+        ("negate: 7", negated),
+        ("negate: -1", negated),
+        ("negate: '0'", plain),
+        ("negate: \"1\"", negated),
+        ("negate: false", plain),
+        ("negate: True", negated),
+        ("negate: no", plain),
+        ("negate: YES", negated),
+        ("negate: off", plain),
+        ("negate: On", negated),
+        ("negate: n", plain),
+        ("mode: trinary", plain),
+        ("mode: Trinary", plain),
+        ("mode: SCALE", scaled),
+        ("mode: 'scale'", scaled),
+        ("mode: Raw\nnegate: 1", [-1, -1, 0]),
+        ("resolution: '0.05'", plain),
+        ("resolution: 5e-2", plain),
+        ("resolution: 1", plain),
+        ("origin: ['1', -2.5, 0]", plain),
+        ("origin:\n- 1\n- 2\n- 3.0", plain),
+        ("free_thresh: \"0.25\"\noccupied_thresh: '0.65'", plain),
+        ("free_thresh: 0\noccupied_thresh: 1", [-1, -1, -1]),
+        ("unknown: {a: [1, 2]}", plain),
+    ] {
+        let map = with_header(lines).unwrap_or_else(|fault| panic!("{lines}: {fault}"));
+        assert_eq!([0, 1, 2].map(|col| map.value(col, 0)), wanted, "{lines}");
+    }
+}
+
+#[test]
+fn what_nav2_refuses_or_would_pass_on_as_nonsense_is_refused_with_the_remedy() {
+    for (lines, words) in [
+        ("negate: 1.0", "`negate` is \"1.0\", but must be 0 or 1"),
+        ("negate: maybe", "`negate` is \"maybe\", but must be 0 or 1"),
+        ("negate:", "`negate` has no value"),
+        ("# no resolution: here", "`resolution` has no value"),
+        (
+            "mode: binary",
+            "`mode` is \"binary\", but must be trinary, scale or raw",
+        ),
+        ("image: ''", "`image` is empty"),
+        (
+            "resolution: wide",
+            "`resolution` is \"wide\", but must be a number",
+        ),
+        (
+            "resolution: infinity",
+            "`resolution` is \"infinity\", but must be a number",
+        ),
+        ("resolution: .inf", "from 0.001 to 10 metres"),
+        ("resolution: -0.05", "from 0.001 to 10 metres"),
+        ("origin: 1", "origin"),
+        ("origin: [1, 2, 3, 4]", "`origin` must be three numbers"),
+        (
+            "origin: [0, 0, .nan]",
+            "the third value of `origin` is NaN; set it to 0",
+        ),
+        (
+            "origin: [0, .inf, 0]",
+            "the second value of `origin` is inf; set it to 0",
+        ),
+        (
+            "origin: [-.inf, 0, 0]",
+            "the first value of `origin` is -inf; set it to 0",
+        ),
+        (
+            "origin: [x, 0, 0]",
+            "`origin` is \"x\", but must be a number",
+        ),
+        ("origin: [1e9, 0, 0]", "x and y must be from"),
+        (
+            "free_thresh: .nan",
+            "`free_thresh` is NaN, but must be from 0 to 1",
+        ),
+        (
+            "occupied_thresh: 65",
+            "`occupied_thresh` is 65, but must be from 0 to 1",
+        ),
+        (
+            "occupied_thresh: 0.1",
+            "must be less than `occupied_thresh`",
+        ),
+    ] {
+        let fault = with_header(lines).expect_err(lines);
+        assert!(fault.contains(words), "{lines}: {fault}");
+    }
+    let map = Map(tempfile::tempdir().unwrap());
+    map.yaml("");
+    for magic in [
+        &b"BM"[..],
+        b"\xff\xd8\xff",
+        b"GIF89a",
+        b"P1 1 1 1",
+        b"P4 1 1 1",
+        b"P6 1 1 255 abc",
+        b"",
+    ] {
+        map.keep("map.pgm", magic);
+        let fault = map.load().unwrap_err().to_string();
+        assert!(fault.contains("convert it"), "{magic:?}: {fault}");
+    }
+}
+
 /// A map of 8-bit grey levels in a row.
 fn greys(levels: &[u8], negate: u8, occupied: f64, free: f64) -> OccupancyMap {
     let map = Map(tempfile::tempdir().unwrap());

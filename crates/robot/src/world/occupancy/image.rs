@@ -27,7 +27,10 @@ pub(super) fn read(path: &Path, take: Take<'_>) -> Result<[usize; 2], MapError> 
         Some(b"P2") => plain_pgm(&bytes, take),
         Some(b"P5") => raw_pgm(&bytes, take),
         Some(b"\x89P") => of_png(&bytes, take),
-        _ => Err("it is neither PGM (P2 or P5) nor PNG".to_owned()),
+        _ => Err(
+            "it is neither PGM (P2 or P5) nor PNG: convert it with an image editor, and name the new file in `image`"
+                .to_owned(),
+        ),
     };
     size.map_err(|fault| MapError::Image {
         path: path.to_owned(),

@@ -1,8 +1,6 @@
 //! The meaning of the pixels of a map, by the rules of Nav2's map server (`map_io`) in ROS 2
 //! Humble.
 
-use serde::Deserialize;
-
 use super::Occupancy;
 
 /// The values of free, occupied and unknown cells in messages of type `nav_msgs/OccupancyGrid`.
@@ -15,11 +13,9 @@ const FULL: u32 = 65_535;
 const SAVED_UNKNOWN: u32 = 205 * 257;
 
 /// The interpretation of grey levels (Nav2's `MapMode`).
-#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Mode {
     /// Free, occupied or unknown, by two thresholds.
-    #[default]
     Trinary,
     /// Like `Trinary`, with intermediate values between the thresholds.
     Scale,
