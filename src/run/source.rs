@@ -45,8 +45,9 @@ impl Source {
     /// Returns the run of a recording that was read.
     ///
     /// # Errors
-    /// If the recording does not contain the facts of its run.
+    /// If the recording does not contain the facts of its run, or those of several.
     pub fn of_recording(recording: &Recording) -> Result<Self, Error> {
+        recording.require_single()?;
         let file = recording.path();
         let metadata = recording.metadata("run");
         let entry = |key: &str| metadata.and_then(|m| m.get(key)).map_or("", String::as_str);

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use crate::copies::Parts;
+use crate::copies::{Parts, merged};
 use crate::kit::desk::Desk;
 use crate::kit::trial::{Trial, maze};
 use mcap::WriteOptions;
@@ -175,4 +175,69 @@ fn a_run_of_an_unknown_kind_is_found_and_not_taken_for_a_training() {
     let desk = Desk::new();
     desk.write("copy.mcap", parts.write(WriteOptions::new()));
     desk.fails(65, "map @copy.mcap -o @x.svg", "unknown kind `dream`");
+}
+
+#[test]
+fn merged_recordings_are_read_or_refused_with_the_reason_and_never_called_damaged() {
+    let desk = Desk::new();
+    desk.train("run", "maze4 --episodes 2");
+    let parts = |name: &str| Parts::of(&desk.recording(name));
+    desk.write("one.mcap", merged(&[parts("run/ep-0001.mcap")]));
+    for (name, others) in [
+        ("two.mcap", ["run/ep-0001.mcap", "run/ep-0002.mcap"]),
+        ("all.mcap", ["run/ep-0001.mcap", "run/run.mcap"]),
+    ] {
+        desk.write(name, merged(&others.map(parts)));
+        let (info, _) = desk.run(0, &format!("recording info @{name}"));
+        assert!(info.contains("/tf"), "{info}");
+        let said = desk.fails(
+            1,
+            &format!("recording verify @{name}"),
+            "differs from a new run",
+        );
+        assert!(!said.contains("damaged"), "{said}");
+        for line in [
+            "map @FILE -o @x.svg",
+            "replay --html @x.html @FILE",
+            "recording ros @FILE -o @x.mcap",
+        ] {
+            let said = desk.fails(
+                65,
+                &line.replace("FILE", name),
+                "was merged from several recordings",
+            );
+            assert!(!said.contains("damaged"), "{said}");
+        }
+    }
+    // Control: a copy by another program is whole, but has other bytes.
+    let (stdout, _) = desk.run(1, "recording verify @one.mcap");
+    assert!(
+        stdout.contains("another program wrote one of them"),
+        "{stdout}"
+    );
+    desk.ok("recording check @one.mcap");
+    desk.ok("replay --html @x.html @one.mcap");
+}
+
+#[test]
+fn a_recording_without_a_summary_is_read_and_not_called_damaged() {
+    let parts = episode();
+    let options = WriteOptions::new()
+        .emit_summary_offsets(false)
+        .emit_statistics(false);
+    let options = options
+        .emit_chunk_indexes(false)
+        .emit_attachment_indexes(false)
+        .emit_metadata_indexes(false);
+    let options = options.repeat_channels(false).repeat_schemas(false);
+    let bytes = parts.write(options);
+    let copy = Recording::from_bytes(Path::new("copy.mcap"), bytes).unwrap();
+    assert_eq!(copy.topics().len(), parts.topics.len());
+    let faults = copy.check();
+    assert!(
+        faults
+            .iter()
+            .any(|fault| fault.contains("no chunk is indexed")),
+        "{faults:?}"
+    );
 }

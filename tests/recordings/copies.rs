@@ -37,9 +37,16 @@ impl Parts {
     /// Writes the copy.
     pub fn write(&self, options: WriteOptions) -> Vec<u8> {
         let mut writer = options.create(Cursor::new(Vec::new())).unwrap();
+        self.write_into(&mut writer);
+        writer.finish().unwrap();
+        writer.into_inner().into_inner()
+    }
+
+    fn write_into(&self, writer: &mut mcap::Writer<Cursor<Vec<u8>>>) {
         let (name, metadata) = ("run".to_owned(), self.run.clone());
         writer.write_metadata(&Metadata { name, metadata }).unwrap();
-        for (name, data) in &self.attached {
+        // In the order of the program: world.json, config.json.
+        for (name, data) in self.attached.iter().rev() {
             let attachment = Attachment {
                 log_time: 0,
                 create_time: 0,
@@ -71,7 +78,13 @@ impl Parts {
                 .write_to_known_channel(&header, &message.data)
                 .unwrap();
         }
-        writer.finish().unwrap();
-        writer.into_inner().into_inner()
     }
+}
+
+/// Merges recordings as other programs do: with all attachments, and with a channel of each recording for each topic.
+pub fn merged(all: &[Parts]) -> Vec<u8> {
+    let mut writer = WriteOptions::new().create(Cursor::new(Vec::new())).unwrap();
+    all.iter().for_each(|parts| parts.write_into(&mut writer));
+    writer.finish().unwrap();
+    writer.into_inner().into_inner()
 }

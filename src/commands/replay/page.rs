@@ -41,7 +41,11 @@ fn page_of(path: &Path, out: &mut Results) -> Result<String, Failure> {
     }
     match path.is_dir() {
         true => Ok(RunFolder::open(path).replay_page()?),
-        false => Ok(player::page(&Recording::open(path)?)?),
+        false => {
+            let recording = Recording::open(path)?;
+            recording.require_single()?;
+            Ok(player::page(&recording)?)
+        }
     }
 }
 

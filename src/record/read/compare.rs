@@ -6,7 +6,7 @@ use super::reader::{Message, Recording};
 use crate::error::Error;
 
 /// Describes a difference at a time, in nanoseconds of simulation time; 0 outside of messages.
-/// `topic` is the topic, or `attachment NAME`, `metadata` or `file` outside of messages.
+/// `topic` is the topic, or `attachment NAME` or `metadata` outside of messages.
 fn difference(time_ns: u64, topic: &str, field: &str, [first, second]: [String; 2]) -> String {
     let seconds = time_ns as f64 / 1e9;
     format!("at {seconds} s, {topic}, {field}: {first} against {second}")
@@ -27,7 +27,13 @@ pub fn compare(first: &[u8], second: &[u8]) -> Result<Option<String>, Error> {
         return Ok(Some(difference));
     }
     let found = messages(&a, &b)?;
-    Ok(found.or_else(|| Some(bytes(0, "file", first, second))))
+    let same = first.iter().zip(second).take_while(|(x, y)| x == y).count();
+    let rewritten = || {
+        format!(
+            "facts and messages are the same, but the files differ from byte {same} on: another program wrote one of them"
+        )
+    };
+    Ok(found.or_else(|| Some(rewritten())))
 }
 
 fn facts(a: &Recording, b: &Recording) -> Option<String> {

@@ -1,6 +1,6 @@
 //! Reading recordings back.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -187,10 +187,6 @@ impl Recording {
             }
             Record::Statistics(counted) => self.claimed = counted.channel_message_counts,
             Record::ChunkIndex(_) => self.has_chunk_index = true,
-            // Viewers need the index.
-            Record::Footer(footer) if footer.summary_start == 0 => {
-                return Err(McapError::BadFooter);
-            }
             Record::Message { header, .. } => {
                 *self.counts.entry(header.channel_id).or_default() += 1;
             }
@@ -255,6 +251,27 @@ impl Recording {
     pub fn attachment(&self, name: &str) -> Option<&[u8]> {
         let found = self.attachments.iter().find(|one| one.name == name);
         found.map(|one| one.data.as_slice())
+    }
+
+    /// Requires the recording of one episode, or of one run. A program that merges recordings copies the attachments of
+    /// all of them.
+    ///
+    /// # Errors
+    /// If two attachments have the same name.
+    pub fn require_single(&self) -> Result<(), Error> {
+        let mut names = BTreeSet::new();
+        let twice = self
+            .attachments
+            .iter()
+            .find(|one| !names.insert(one.name.as_str()));
+        twice.map_or(Ok(()), |one| {
+            let (file, name) = (self.path.display(), &one.name);
+            let message = format!(
+                "{file} was merged from several recordings, as it has the attachment {name} more than once: use the \
+                 recordings themselves"
+            );
+            Err(ErrorKind::BadData.error(message))
+        })
     }
 
     /// Returns a metadata record, such as `run`.
