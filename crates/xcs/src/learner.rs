@@ -384,11 +384,14 @@ impl<C: Representation> Xcs<C> {
         micro > 0 && self.time * micro > stamps + u64::from(self.params.theta_ga) * micro
     }
 
-    /// Adds a child to \[P\], or to the numerosity of a parent that subsumes it.
+    /// Adds a child to \[P\], or to the numerosity of a parent that subsumes it. Inserting the first child may have deleted
+    /// a parent, which then subsumes nothing.
     fn insert_child(&mut self, child: Classifier<C>, parents: &[Parent<C>; 2]) {
         let params = &self.params;
-        let subsumes =
-            |(_, rule): &&Parent<C>| params.ga_subsumption && rule.subsumes(&child, params);
+        let subsumes = |(id, rule): &&Parent<C>| {
+            let is_alive = self.population.get(*id).is_some();
+            params.ga_subsumption && is_alive && rule.subsumes(&child, params)
+        };
         match parents.iter().find(subsumes) {
             Some(&(parent, _)) => self.population.modify(parent, |rule| rule.numerosity += 1),
             None => {
@@ -397,3 +400,6 @@ impl<C: Representation> Xcs<C> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

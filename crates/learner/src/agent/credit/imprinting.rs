@@ -29,12 +29,15 @@ pub(super) fn replayed_steps(policy: &[(Percept, Action)], shares: &Shares) -> V
         .collect()
 }
 
+/// The maximum number of policies in \[PS\]. An open room has many paths of the same length.
+const MOST_POLICIES: usize = 1_000;
+
 /// Stores the best executed policies, and decides when one of them is replayed.
 #[derive(Debug, Clone)]
 pub(super) struct Imprinting {
     on: bool,
     theta_x: f64,
-    /// \[PS\]: distinct policies of the same, shortest length.
+    /// \[PS\]: distinct policies of the same, shortest length, the first [`MOST_POLICIES`].
     policies: Vec<Policy>,
     stream: Stream,
 }
@@ -80,7 +83,10 @@ impl Imprinting {
         let shortest = self.policies.first().map_or(usize::MAX, Vec::len);
         if policy.len() < shortest {
             self.policies = vec![policy.clone()];
-        } else if policy.len() == shortest && !self.policies.contains(policy) {
+        } else if policy.len() == shortest
+            && self.policies.len() < MOST_POLICIES
+            && !self.policies.contains(policy)
+        {
             self.policies.push(policy.clone());
         }
     }
@@ -136,6 +142,22 @@ mod tests {
         assert_eq!(
             lengths(&imprinting),
             [2],
+            "a shorter policy replaces the set"
+        );
+    }
+
+    #[test]
+    fn the_set_is_bounded_where_many_paths_are_shortest() {
+        let mut imprinting = imprinting(0.5);
+        for number in 0..3 * MOST_POLICIES {
+            let actions: Vec<usize> = (0..12).map(|bit| number >> bit & 1).collect();
+            imprinting.after(true, &policy(&actions));
+        }
+        assert_eq!(imprinting.policies.len(), MOST_POLICIES);
+        imprinting.after(true, &policy(&[1]));
+        assert_eq!(
+            imprinting.policies.len(),
+            1,
             "a shorter policy replaces the set"
         );
     }
