@@ -106,6 +106,9 @@ struct PerceptBits {
     row_bits: usize,
 }
 
+/// Up to here, a float of 32 bits is exact to 4 mm.
+const MOST_IN_32_BITS_M: f64 = 65_536.0;
+
 /// The grid of the world in the map frame.
 #[derive(Serialize)]
 struct Grid {
@@ -117,6 +120,8 @@ struct Grid {
     origin_y_m: f64,
     origin_cosine: f64,
     origin_sine: f64,
+    /// True if 32 bits do not hold coordinates of the map frame to the centimetre.
+    is_far: bool,
 }
 
 /// What a scan of the lidar covers, and the rays of cells that a percept shows.
@@ -179,6 +184,7 @@ impl PerceptBits {
 impl Grid {
     fn new(maze: &Maze) -> Self {
         let corner = maze.origin();
+        let extent_m = f64::from(maze.width().max(maze.height())) * maze.cell_size_m();
         Self {
             cell_size_m: maze.cell_size_m(),
             columns: maze.width(),
@@ -188,6 +194,7 @@ impl Grid {
             origin_y_m: corner.y_m,
             origin_cosine: libm::cos(corner.yaw_rad),
             origin_sine: libm::sin(corner.yaw_rad),
+            is_far: corner.x_m.abs().max(corner.y_m.abs()) + extent_m > MOST_IN_32_BITS_M,
         }
     }
 }

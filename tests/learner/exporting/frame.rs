@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_6;
 use std::fs;
+use std::path::Path;
 use std::process::Command;
 
 use nalgebra::{Point2, Rotation2};
@@ -91,6 +92,79 @@ fn the_cell_of_every_point_and_the_middle_of_every_cell_are_those_of_the_maze() 
                 assert!(off < 1e-12, "{name}: {cell:?}: {found:?}, not {x} {y}");
             }
         }
+    }
+}
+
+/// Compiles a policy for a machine whose `double` has 32 bits, with a program that reads points and prints cells. Returns
+/// what the compiler says.
+fn compile_for_32_bits(folder: &Path, policy: &str, options: &str) -> (bool, String) {
+    let main = r#"#include <stdio.h>
+#include "policy.h"
+int main(void) {
+    float x, y;
+    while (scanf("%f %f", &x, &y) == 2) {
+        uint16_t column, row;
+        if (xcscr_cell_from_pose(x, y, &column, &row)) printf("%u %u\n", column, row);
+        else printf("outside\n");
+    }
+    return 0;
+}
+"#;
+    fs::write(folder.join("policy.h"), policy).unwrap();
+    fs::write(folder.join("main.c"), main).unwrap();
+    let mut compiler = Command::new("cc");
+    let single = "-std=c99 -O1 -Wno-builtin-macro-redefined -U__DBL_MANT_DIG__ -D__DBL_MANT_DIG__=24 -Ddouble=float -fsingle-precision-constant main.c -o main";
+    compiler
+        .args(single.split(' '))
+        .args(options.split_whitespace());
+    let output = compiler.current_dir(folder).output().unwrap();
+    (
+        output.status.success(),
+        String::from_utf8_lossy(&output.stderr).into_owned(),
+    )
+}
+
+#[test]
+fn cells_keep_the_centimetre_in_32_bits_however_far_the_origin_is() {
+    let folder = tempfile::tempdir().unwrap();
+    for (far, origin) in [
+        (false, ORIGINS[2]),
+        (true, [4e5, -5.2e6, 0.3]),
+        (true, [1e8, 1e8, -2.0]),
+    ] {
+        let [maze, plain] = [origin, [0.0; 3]].map(placed);
+        let policy = exported(Target::C99, &maze, Sensor::Lidar, ArenaKind::Grid);
+        let (compiles, said) = compile_for_32_bits(folder.path(), &policy, "");
+        assert_eq!(compiles, !far, "{origin:?}: {said}");
+        assert!(
+            !far || said.contains("define XCSCR_POSES_FROM_CORNER"),
+            "{said}"
+        );
+        let (compiles, said) =
+            compile_for_32_bits(folder.path(), &policy, "-DXCSCR_POSES_FROM_CORNER");
+        assert!(compiles, "{said}");
+        let is_clear = |at: &Point2<f64>| {
+            let around = [[0.0, 0.01], [0.0, -0.01], [0.01, 0.0], [-0.01, 0.0]];
+            let cells = around.map(|[x, y]| plain.cell_at(Point2::new(at.x + x, at.y + y)));
+            cells.iter().all(|cell| *cell == plain.cell_at(*at))
+        };
+        let points: Vec<Point2<f64>> = points(&maze).into_iter().filter(is_clear).collect();
+        let mut asked = String::new();
+        for &at in &points {
+            let [x, y] = in_map([0.0, 0.0, origin[2]], at);
+            asked += &format!("{x} {y}\n");
+        }
+        let found = fed(
+            &mut Command::new(folder.path().join("main")),
+            asked.into_bytes(),
+        );
+        let found = String::from_utf8(found).unwrap();
+        let wanted = points.iter().map(|&at| match plain.cell_at(at) {
+            Some(Cell { col, row }) => format!("{col} {row}"),
+            None => "outside".to_owned(),
+        });
+        let wanted: Vec<String> = wanted.collect();
+        assert_eq!(found.lines().collect::<Vec<_>>(), wanted, "{origin:?}");
     }
 }
 
