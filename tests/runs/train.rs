@@ -46,8 +46,8 @@ fn the_same_seed_gives_the_same_bytes_and_another_seed_others() {
         contents(&desk.path(name))
     };
     let (first, second, other) = (run("a", 7), run("b", 7), run("c", 8));
-    // Six episodes, the run and its page, three texts, two layouts.
-    assert_eq!(first.len(), 6 + 1 + 1 + 3 + 2);
+    // Six episodes, the run, its page and its picture, three texts, two layouts.
+    assert_eq!(first.len(), 6 + 1 + 2 + 3 + 2);
     for ((name, a), (_, b)) in first.iter().zip(&second) {
         assert!(a == b, "{name} differs between two runs of one seed");
     }
