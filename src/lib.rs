@@ -71,8 +71,8 @@ pub mod disk;
 pub mod page;
 pub mod export;
 pub mod picture;
-pub mod drive;
 pub mod record;
+pub mod drive;
 #[cfg(feature = "ros2")]
 pub mod ros2;
 pub mod run;

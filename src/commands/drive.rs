@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
+use xcscr::drive::DriveRecording;
 use xcscr::drive::{DriveOptions, DriveSetup, Driver, DriverOptions, Fault, Frames};
-use xcscr::record::DriveRecording;
 use xcscr::trial::RobotProfile;
 
 use super::choices;
@@ -189,7 +189,7 @@ fn drive(
     use std::time::{SystemTime, UNIX_EPOCH};
 
     use super::interrupt::Interrupt;
-    use xcscr::record::DriveBag;
+    use xcscr::drive::DriveBag;
     use xcscr::ros2::DriveReport;
 
     let since = SystemTime::now().duration_since(UNIX_EPOCH);

@@ -14,6 +14,7 @@
 //! The robot moves from cell to cell: it drives, rests for one lidar turn, and decides. Units and
 //! frames follow REP 103 and REP 105: metres, radians, seconds; `map`, `odom` and `base_link`.
 
+mod bag;
 mod driver;
 mod fault;
 mod localisation;
@@ -26,11 +27,13 @@ mod simulated;
 mod timeline;
 mod watch;
 
+pub use bag::{DriveBag, DriveRecording};
+#[cfg(feature = "ros2")]
+pub(crate) use bag::{drive_messages, messages};
 pub use driver::{Belief, Decision, Driver, DriverStep, Phase};
 pub use fault::{Fault, Mislocalised};
 pub use options::{DriverOptions, NodeOptions, SimulateOptions};
 pub use readings::{Imu, Network, Odometry, Readings, Scan};
 pub use setup::{DriveOptions, DriveSetup};
-pub(crate) use simulated::rolled;
 pub use simulated::{SimulatedReadings, SimulatedRobot};
 pub use watch::Frames;

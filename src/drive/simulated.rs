@@ -146,7 +146,7 @@ impl SimulatedRobot {
 }
 
 /// Returns the arc of a robot whose left and right wheel rolled from `from` to `to`, in metres.
-pub(crate) fn rolled(from: [f64; 2], to: [f64; 2], base_m: f64) -> Isometry2<f64> {
+fn rolled(from: [f64; 2], to: [f64; 2], base_m: f64) -> Isometry2<f64> {
     let [left, right] = [to[0] - from[0], to[1] - from[1]];
     let (distance, half_rad) = ((left + right) / 2.0, (right - left) / base_m / 2.0);
     let (sine, cosine) = libm::sincos(half_rad);

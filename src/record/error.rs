@@ -20,12 +20,12 @@ pub(super) fn unread(path: &Path) -> impl Fn(io::Error) -> Error {
 
 /// Returns the conversion of an error when writing a file, for example because the disk is full.
 /// The data written so far is kept.
-pub(super) fn write<E: Into<McapError>>(path: &Path) -> impl Fn(E) -> Error {
+pub(crate) fn write<E: Into<McapError>>(path: &Path) -> impl Fn(E) -> Error {
     move |cause| unwritten(path, explained(&cause.into()))
 }
 
 /// Returns the error for a file that cannot be written.
-pub(super) fn unwritten(path: &Path, cause: impl Display) -> Error {
+pub(crate) fn unwritten(path: &Path, cause: impl Display) -> Error {
     let message = format!("cannot write the recording: {cause}: {}", path.display());
     ErrorKind::Io.error(message)
 }
@@ -45,7 +45,7 @@ pub(super) fn differs<E: Into<McapError>>(path: &Path) -> impl Fn(E) -> Error {
 }
 
 /// Returns the error for a file with these bytes, which are not an MCAP file.
-pub(super) fn foreign(path: &Path, bytes: &[u8]) -> Error {
+pub(crate) fn foreign(path: &Path, bytes: &[u8]) -> Error {
     let kind = match bytes.starts_with(b"SQLite format 3") {
         true => "it is a database; `ros2 bag convert` converts a bag to MCAP",
         false => "it does not begin like an MCAP file",
@@ -61,7 +61,7 @@ pub(super) fn unsuitable(path: &Path, cause: &str) -> Error {
 }
 
 /// Returns the conversion of a fault in a file.
-pub(super) fn damaged<E: Display>(path: &Path) -> impl Fn(E) -> Error {
+pub(crate) fn damaged<E: Display>(path: &Path) -> impl Fn(E) -> Error {
     move |cause| {
         let message = format!(
             "this recording is damaged: {cause}{ADVICE}{}",

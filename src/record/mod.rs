@@ -4,7 +4,7 @@
 //! run. All times in a file are simulation times; a recording contains no real date. The same run
 //! produces the same bytes, so a recording can be verified by repeating the run.
 
-mod error;
+pub(crate) mod error;
 mod info;
 mod json;
 pub mod layout;
@@ -12,7 +12,6 @@ mod mode;
 pub mod player;
 mod read;
 pub(crate) mod resume_hint;
-mod ros;
 mod serve;
 mod topics;
 mod write;
@@ -20,11 +19,8 @@ mod write;
 pub use info::{RecordingKind, RobotShape, RunInfo, RunKind};
 pub use mode::RecordMode;
 pub(crate) use mode::RecordModeError;
+pub(crate) use read::records;
 pub use read::{check, compare, reader};
-pub(crate) use ros::RosBag;
-pub use ros::{DriveBag, DriveRecording};
-#[cfg(feature = "ros2")]
-pub(crate) use ros::{drive_messages, messages};
 pub use serve::server;
 pub use topics::Topic;
 pub(crate) use write::is_ours;

@@ -8,11 +8,11 @@ use serde::Serialize;
 
 use super::link::{Link, STAMPED, TWIST, best_effort, drain, reliable};
 use crate::arena::Speeds;
+use crate::drive::DriveBag;
+use crate::drive::drive_messages::{Clock, Imu, Text, Twist, TwistStamped};
+use crate::drive::messages::{EstimatedPose, LaserScan, MAP, ODOM, Odometry, Transforms};
 use crate::drive::{Driver, DriverOptions, DriverStep, Fault, Network, Phase, Readings};
 use crate::error::{Error, ErrorKind};
-use crate::record::DriveBag;
-use crate::record::drive_messages::{Clock, Imu, Text, Twist, TwistStamped};
-use crate::record::messages::{EstimatedPose, LaserScan, MAP, ODOM, Odometry, Transforms};
 
 /// The control period: the longest time between two calls of the driver.
 const PERIOD: Duration = Duration::from_millis(50);

@@ -9,12 +9,12 @@ use serde::Serialize;
 
 use super::link::{Link, STAMPED, TWIST, best_effort, drain, reliable, transient_local};
 use crate::arena::Speeds;
-use crate::drive::{SimulateOptions, SimulatedReadings, SimulatedRobot};
-use crate::error::Error;
-use crate::record::drive_messages::{Clock, Imu, Twist, TwistStamped};
-use crate::record::messages::{
+use crate::drive::drive_messages::{Clock, Imu, Twist, TwistStamped};
+use crate::drive::messages::{
     BASE, LASER, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, TRUE_BASE, Transforms,
 };
+use crate::drive::{self, SimulateOptions, SimulatedReadings, SimulatedRobot};
+use crate::error::Error;
 use crate::world::Maze;
 
 /// The simulated time of a step.
@@ -97,9 +97,14 @@ impl RobotNode {
         publish(&self.odom, Odometry::from(odometry));
         let frames = [(ODOM, BASE, odometry.pose)];
         publish(&self.tf, Transforms::new(*time_ns, &frames));
-        let still = (&Isometry2::identity(), 0.0);
-        let truth = Odometry::new(*time_ns, [MAP, TRUE_BASE], truth, still);
-        publish(&self.truth, truth);
+        let truth = drive::Odometry {
+            stamp_ns: *time_ns,
+            frame: MAP.to_owned(),
+            child_frame: TRUE_BASE.to_owned(),
+            pose: *truth,
+            speeds: Speeds::default(),
+        };
+        publish(&self.truth, Odometry::from(&truth));
         if let Some(imu) = imu {
             publish(&self.imu, Imu::from(imu));
         }

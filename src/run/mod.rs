@@ -25,7 +25,6 @@ mod evaluation;
 mod external;
 mod facts;
 mod folder;
-mod ros;
 mod session;
 mod source;
 mod page;

@@ -18,7 +18,6 @@ mod methods;
 mod page;
 mod recording;
 mod robots;
-mod ros;
 mod serving;
 mod summaries;
 mod watching;

@@ -4,7 +4,7 @@ mod check;
 mod compare;
 pub(super) mod episodes;
 pub mod reader;
-pub(super) mod records;
+pub(crate) mod records;
 
 pub use check::check;
 pub use compare::compare;

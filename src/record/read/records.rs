@@ -56,9 +56,7 @@ impl<R: Read> Iterator for Records<R> {
 }
 
 /// Returns the messages of an MCAP file in sequence, each with its channel.
-pub(in crate::record) fn messages(
-    bytes: &[u8],
-) -> impl Iterator<Item = McapResult<Message<'static>>> {
+pub(crate) fn messages(bytes: &[u8]) -> impl Iterator<Item = McapResult<Message<'static>>> {
     let mut channels = ChannelAccumulator::default();
     let options = LinearReaderOptions::default();
     let records = Records::new(bytes, bytes.len() as u64, options);
@@ -83,7 +81,7 @@ pub(in crate::record) fn messages(
 
 /// Rejects a file that unpacks to far more bytes than its size, before unpacking any of it. `Err`
 /// describes the fault.
-pub(in crate::record) fn check_unpacked(bytes: &[u8]) -> Result<(), String> {
+pub(crate) fn check_unpacked(bytes: &[u8]) -> Result<(), String> {
     let most = disk::most_unpacked(bytes.len() as u64);
     let options = LinearReaderOptions::default().with_emit_chunks(true);
     let sizes = Records::new(bytes, bytes.len() as u64, options).map(|record| match record {

@@ -8,7 +8,7 @@ use std::f64::consts::FRAC_PI_2;
 use xcscr::agent::Knowledge;
 use xcscr::arena::{Outcome, Speeds};
 use xcscr::drive::*;
-use xcscr::record::{DriveBag, DriveRecording};
+use xcscr::drive::{DriveBag, DriveRecording};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Plan, RobotProfile};
 use xcscr::world::{Cell, Maze, Paths};

@@ -15,8 +15,7 @@ use super::writer::{ENCAPSULATION, RosWriter, encoded};
 use crate::disk;
 use crate::drive::{DriverStep, Fault, Readings};
 use crate::error::Error;
-use crate::record::error;
-use crate::record::read::records;
+use crate::record::{error, records};
 use crate::world::Maze;
 
 /// The topics of the file.

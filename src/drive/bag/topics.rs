@@ -1,10 +1,9 @@
-//! The topics of recordings for ROS 2, with their message types.
+//! The topics of recorded drives, with their message types.
 
 /// A topic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Topic {
     Tf,
-    TfStatic,
     Odom,
     Pose,
     Scan,
@@ -14,7 +13,6 @@ pub(super) enum Topic {
     CmdVel,
     Decision,
     Fault,
-    GroundTruth,
 }
 
 /// The name of a message type, and its definition in MCAP's `ros2msg` form: followed by the
@@ -51,7 +49,6 @@ impl Topic {
     pub fn name(self) -> &'static str {
         match self {
             Self::Tf => "/tf",
-            Self::TfStatic => "/tf_static",
             Self::Odom => "/odom",
             Self::Pose => "/pose",
             Self::Scan => "/scan",
@@ -61,15 +58,14 @@ impl Topic {
             Self::CmdVel => "/cmd_vel",
             Self::Decision => "/decision",
             Self::Fault => "/fault",
-            Self::GroundTruth => "/ground_truth/odom",
         }
     }
 
     /// Returns the type of the topic's messages.
     pub fn interface(self) -> Interface {
         match self {
-            Self::Tf | Self::TfStatic => interface!("tf2_msgs", "TFMessage"),
-            Self::Odom | Self::GroundTruth => interface!("nav_msgs", "Odometry"),
+            Self::Tf => interface!("tf2_msgs", "TFMessage"),
+            Self::Odom => interface!("nav_msgs", "Odometry"),
             Self::Pose => interface!("geometry_msgs", "PoseWithCovarianceStamped"),
             Self::Scan => interface!("sensor_msgs", "LaserScan"),
             Self::Imu => interface!("sensor_msgs", "Imu"),
@@ -83,7 +79,7 @@ impl Topic {
     /// Returns the quality of service of the topic.
     pub fn qos(self) -> &'static str {
         match self {
-            Self::TfStatic | Self::Map => qos!(1, 1),
+            Self::Map => qos!(1, 1),
             _ => qos!(10, 2),
         }
     }

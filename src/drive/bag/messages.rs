@@ -12,8 +12,10 @@ pub const MAP: &str = "map";
 pub const ODOM: &str = "odom";
 pub const BASE: &str = "base_link";
 /// The lidar's frame, at the centre of the robot.
+#[cfg(feature = "ros2")]
 pub const LASER: &str = "base_scan";
 /// The robot's true pose, which the robot does not know.
+#[cfg(feature = "ros2")]
 pub const TRUE_BASE: &str = "base_link_true";
 /// The value of an occupied cell in an occupancy grid, in percent.
 const OCCUPIED: i8 = 100;
@@ -192,34 +194,6 @@ impl Transforms {
     }
 }
 
-impl Odometry {
-    /// Creates the message from the pose of the frame `child` in its parent and its motion in the
-    /// last `since_s` seconds, in its own frame. Covariances are unknown.
-    pub fn new(
-        time_ns: u64,
-        [parent, child]: [&'static str; 2],
-        at: &Isometry2<f64>,
-        (moved, since_s): (&Isometry2<f64>, f64),
-    ) -> Self {
-        let along = |[x, y, z]: [f64; 3]| Vector3 { x, y, z };
-        let per_second = |change: f64| if since_s > 0.0 { change / since_s } else { 0.0 };
-        let [x, y] = [moved.translation.x, moved.translation.y].map(per_second);
-        Self {
-            header: header(time_ns, parent),
-            child_frame_id: child.into(),
-            pose: PoseWithCovariance {
-                pose: pose(at),
-                covariance: UNKNOWN,
-            },
-            twist: TwistWithCovariance {
-                linear: along([x, y, 0.0]),
-                angular: along([0.0, 0.0, per_second(moved.rotation.angle())]),
-                covariance: UNKNOWN,
-            },
-        }
-    }
-}
-
 impl EstimatedPose {
     /// Creates the message from the estimated pose in the map frame and the covariance of x, y and
     /// heading.
@@ -256,5 +230,40 @@ impl OccupancyGrid {
             },
             data: data.collect(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use byteorder::LittleEndian;
+    use nalgebra::Vector2;
+
+    /// Returns the bytes of a text in CDR: its length with the final zero, and padding.
+    fn text(text: &str) -> Vec<u8> {
+        let mut bytes = (text.len() as u32 + 1).to_le_bytes().to_vec();
+        bytes.extend(text.as_bytes());
+        bytes.push(0);
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        bytes
+    }
+
+    #[test]
+    fn a_transform_has_the_bytes_of_its_interface_definition() {
+        let odom_in_map = Isometry2::new(Vector2::new(1.5, 6.5), 0.0);
+        let message = Transforms::new(2_000_000_003, &[(MAP, ODOM, odom_in_map)]);
+        let bytes = cdr_encoding::to_vec::<_, LittleEndian>(&message).unwrap();
+        let mut expected = Vec::new();
+        for word in [1_u32, 2, 3] {
+            expected.extend(word.to_le_bytes());
+        }
+        expected.extend(text("map"));
+        expected.extend(text("odom"));
+        // Numbers of eight bytes begin at a multiple of eight.
+        expected.resize(expected.len().next_multiple_of(8), 0);
+        for number in [1.5_f64, 6.5, 0.0, 0.0, 0.0, 0.0, 1.0] {
+            expected.extend(number.to_le_bytes());
+        }
+        assert_eq!(bytes, expected);
     }
 }
