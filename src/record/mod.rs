@@ -5,8 +5,8 @@
 //! produces the same bytes, so a recording can be verified by repeating the run.
 
 pub(crate) mod error;
+mod event;
 mod info;
-mod json;
 pub mod layout;
 mod mode;
 pub mod player;

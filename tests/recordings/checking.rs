@@ -139,11 +139,11 @@ fn a_topic_that_belongs_to_the_robot_of_the_recording_must_be_there() {
     let sample = Recording::open(Path::new("recordings/sample-maze4.mcap")).unwrap();
     let mut parts = Parts::of(&sample);
     assert_eq!(faults(&parts), [""; 0], "control");
-    parts.topics.retain(|topic| topic.name != "/estimate");
+    parts.topics.retain(|topic| topic.name != "/localisation");
     parts
         .messages
-        .retain(|message| message.topic() != "/estimate");
-    has_only(&parts, "the topic /estimate is missing");
+        .retain(|message| message.topic() != "/localisation");
+    has_only(&parts, "the topic /localisation is missing");
 }
 
 #[test]

@@ -54,8 +54,8 @@ fn a_page_has_the_decisions_values_estimates_and_episodes_of_its_recording() {
         assert_eq!(decision["values"], step["values"], "{decision}");
     }
     for (list, topic) in [
-        ("estimates", "/estimate"),
-        ("episodes", "/episode"),
+        ("estimates", "/localisation"),
+        ("begins", "/begin"),
         ("contacts", "/contact"),
     ] {
         let length = data[list].as_array().unwrap().len();

@@ -46,9 +46,9 @@ pub fn print(
     let goals = episodes.iter().filter(|one| one.outcome == "goal");
     let goals: Vec<u32> = goals.map(|one| one.episode).collect();
     let all = episodes.iter();
-    let steps: Vec<u32> = all.map(|one| one.steps.unwrap_or(0)).collect();
+    let steps: Vec<u32> = all.map(|one| one.steps).collect();
     let all = episodes.iter();
-    let collisions: Vec<u32> = all.map(|one| one.collisions.unwrap_or(0)).collect();
+    let collisions: Vec<u32> = all.map(|one| one.collisions).collect();
     // The policy and the number of rules change only in a training.
     if kind == RunKind::Training {
         let optimal = episodes.iter().filter(|one| one.optimal);
@@ -68,7 +68,7 @@ pub fn print(
             .shortest
             .map_or("unknown".to_owned(), |few| format!("{few} steps"));
         write_row(out, "shortest path", shortest)?;
-        let rules = format!("{} at the end", last.rules.unwrap_or(0));
+        let rules = format!("{} at the end", last.rules);
         write_row(out, "rules", rules)?;
     }
     write_row(out, "steps per episode", sparkline(&steps))?;

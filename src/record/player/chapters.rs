@@ -7,6 +7,7 @@ use foxglove::messages::{Point3, SceneUpdate};
 use serde::Serialize;
 
 use crate::error::Error;
+use crate::record::event::End;
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::policy::ARROW_CORNERS;
 use crate::record::topics::{Topic, decoded};
@@ -63,16 +64,14 @@ pub fn chapters(run: &Recording) -> Result<Vec<Chapter>, Error> {
         match Topic::named(message.topic()) {
             Some(Topic::Policy) => policy.see(run, &message)?,
             Some(Topic::Episode) => {
-                let figures = run.figures(&message)?;
-                if figures.outcome != "running" {
-                    ended.push(Ended {
-                        episode: figures.episode,
-                        goal: figures.outcome == "goal",
-                        optimal: figures.optimal,
-                        // An unchanged policy is not written again, so the count is reset here.
-                        changed: std::mem::take(&mut policy.changed),
-                    });
-                }
+                let end: End = run.fact(&message)?;
+                ended.push(Ended {
+                    episode: end.episode,
+                    goal: end.outcome == "goal",
+                    optimal: end.optimal,
+                    // An unchanged policy is not written again, so the count is reset here.
+                    changed: std::mem::take(&mut policy.changed),
+                });
             }
             _ => {}
         }

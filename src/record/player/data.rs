@@ -196,8 +196,13 @@ impl Data {
             Topic::Percept => self.scenes.percept.push(Scene::of(t, &scene()?)),
             Topic::Rule => self.decisions.push(timed(t, message)?),
             Topic::Step => self.step(t, message, maze)?,
+            Topic::Begin => {
+                let begin = timed(t, message)?;
+                self.begins.push(begin.clone());
+                self.episodes.push(begin);
+            }
             Topic::Episode => self.episodes.push(timed(t, message)?),
-            Topic::Estimate => self.estimates.push(timed(t, message)?),
+            Topic::Localisation => self.estimates.push(timed(t, message)?),
             Topic::Contact => self.contacts.push(timed(t, message)?),
             Topic::Curve => {
                 self.curve = serde_json::from_slice(&message.data).map_err(|e| e.to_string())?;
@@ -294,8 +299,6 @@ impl Data {
         self.poses.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let last = self.poses.last().map_or(0.0, |pose| pose[0]);
         self.end = self.end.max(last);
-        let begins = |episode: &&Timed| episode.get("outcome") == Some(&json!("running"));
-        self.begins = self.episodes.iter().filter(begins).cloned().collect();
         self.result = self.episodes.last().map_or_else(String::new, result);
     }
 }
@@ -330,7 +333,7 @@ fn result(episode: &Timed) -> String {
     let number = |key: &str| episode.get(key).and_then(Value::as_u64);
     let how = match episode.get("outcome").and_then(Value::as_str) {
         Some("goal") => "reached the goal",
-        Some("running") | None => return String::new(),
+        None => return String::new(),
         Some(_) => "ended before the goal",
     };
     let (steps, shortest) = (number("steps").unwrap_or(0), number("shortest"));

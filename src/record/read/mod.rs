@@ -2,7 +2,7 @@
 
 mod check;
 mod compare;
-pub(super) mod episodes;
+mod facts;
 pub mod reader;
 pub(crate) mod records;
 

@@ -1,13 +1,11 @@
-//! `/estimate`, and the estimate in `/scene/percept`: the estimated pose, its uncertainty and its
-//! error.
+//! The estimate in `/scene/percept`: the estimated pose and its uncertainty.
 
 use foxglove::messages::{CylinderPrimitive, Quaternion, SceneEntity};
 use nalgebra::{Complex, Matrix3, UnitComplex};
 
-use super::fields::{Fields, fields};
 use super::scene::{ESTIMATE, color, cylinder, entity, heading, place, turned, vector};
 use super::to_parts;
-use crate::arena::{Estimate, Sample, Sensed};
+use crate::arena::{Estimate, Sensed};
 
 pub(super) const MARKER: u32 = 0x2f9ce0;
 /// The ellipse contains the true position in 99 of 100 samples, if the covariance is consistent.
@@ -22,35 +20,6 @@ const VISIBLE: f64 = 128.0;
 /// robot's radius.
 const RIM: f64 = 1.2;
 const ABOVE: f64 = 1.1;
-
-/// Compares the estimate at the end of a reset or an action with the true pose. Returns `None` if
-/// the robot is given its true pose.
-pub(in crate::record) fn record(
-    episode: u32,
-    step: u32,
-    sensed: &Sensed<'_>,
-    truth: &Sample,
-) -> Option<Fields> {
-    let estimate = sensed.estimates.last()?;
-    let (error_m, error_rad) = estimate.error(&truth.robot_in_map);
-    let deviation = |at: usize| estimate.covariance[(at, at)].max(0.0).sqrt();
-    let pose = estimate.robot_in_map;
-    Some(fields! { "estimate.json":
-        episode: episode,
-        step: step,
-        x_m: pose.translation.x,
-        y_m: pose.translation.y,
-        heading_cos: pose.rotation.re,
-        heading_sin: pose.rotation.im,
-        sd_x_m: deviation(0),
-        sd_y_m: deviation(1),
-        sd_heading_deg: deviation(2).to_degrees(),
-        error_m: error_m,
-        heading_error_deg: error_rad.to_degrees(),
-        nees: estimate.nees(&truth.robot_in_map),
-        mislocalised: sensed.mislocalised,
-    })
-}
 
 /// Creates an ellipse around the estimated position, ten times enlarged, and a marker of the
 /// estimated pose.

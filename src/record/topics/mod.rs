@@ -4,11 +4,7 @@
 //! times therefore has separate topics, and every message is complete in itself.
 
 pub(super) mod caption;
-pub(super) mod contact;
-pub(super) mod curve;
-pub(super) mod episode;
 pub(super) mod estimate;
-mod fields;
 pub(super) mod log;
 pub(super) mod maze;
 pub(super) mod percept;
@@ -17,23 +13,21 @@ pub(super) mod robot;
 pub(super) mod rule;
 pub(super) mod scan;
 mod scene;
-mod schema;
-pub(super) mod step;
 pub(super) mod trail;
 pub(super) mod transforms;
 pub(super) mod values;
 mod decoded;
 
 pub(super) use decoded::decoded;
-pub(super) use fields::Fields;
 pub(super) use scene::{ESTIMATE, ROBOT, WORLD, nanoseconds, size_m};
 
 use std::sync::LazyLock;
 
 use foxglove::messages::{FrameTransforms, LaserScan, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
-use serde_json::Value;
 use strum::VariantArray;
+
+use super::event::{self, schema};
 
 /// A topic of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, VariantArray)]
@@ -54,6 +48,8 @@ pub enum Topic {
     Contact,
     /// `/step`: a step, at the time when its outcome is known.
     Step,
+    /// `/begin`: the start of an episode.
+    Begin,
     /// `/episode`: the figures of an episode, at its end.
     Episode,
     /// `/curve`: the learning curve so far.
@@ -69,13 +65,11 @@ pub enum Topic {
     /// `/scene/percept`: the cell states that the robot perceives, and the estimated pose if the
     /// robot estimates its pose, at each decision.
     Percept,
-    /// `/estimate`: the pose estimate and its error, if the robot estimates its pose.
-    Estimate,
+    /// `/localisation`: the uncertainty and the error of the estimated pose, if the robot estimates its
+    /// pose.
+    Localisation,
     /// `/scan`: the measurements of the lidar beams, if they are recorded.
     Scan,
-    /// `/ended`: the number of a finished episode. Viewers that plot figures by episode need the
-    /// number on a separate topic.
-    Ended,
 }
 
 /// The recordings that have a topic.
@@ -83,8 +77,6 @@ pub enum Topic {
 enum Scope {
     /// The recordings of the run and of episodes: events that happen at most once per step.
     Both,
-    /// The recording of the run only.
-    Run,
     /// The recordings of episodes only.
     Episode,
     /// The recordings of episodes, if the robot estimates its pose.
@@ -93,22 +85,15 @@ enum Scope {
     Beams,
 }
 
-/// The message type of a topic: a well-known message as protobuf, or one of our own as JSON.
+/// The message type of a topic: a well-known message as protobuf, or a fact as JSON.
 #[derive(Clone, Copy)]
 enum Message {
     Frames,
     Scene,
     Scan,
     Log,
-    /// A message of our own, by the name and the text of its schema.
-    Own(&'static str, &'static str),
-}
-
-/// A message of our own, from the name and the file of its schema.
-macro_rules! own {
-    ($name:literal, $file:literal) => {
-        Message::Own($name, include_str!($file))
-    };
+    /// A fact, by the name of its schema.
+    Fact(&'static str, fn(&str) -> Schema),
 }
 
 impl Topic {
@@ -117,6 +102,7 @@ impl Topic {
 
     /// Returns the topic's name in the file, the recordings that have it, and its message type.
     fn entry(self) -> (&'static str, Scope, Message) {
+        use Message::Fact;
         match self {
             Self::Transforms => ("/tf", Scope::Episode, Message::Frames),
             Self::Maze => ("/scene/maze", Scope::Both, Message::Scene),
@@ -127,27 +113,43 @@ impl Topic {
             Self::Contact => (
                 "/contact",
                 Scope::Episode,
-                own!("xcscr.Contact", "contact.json"),
+                Fact("xcscr.Contact", schema::<event::Contact>),
             ),
-            Self::Step => ("/step", Scope::Both, own!("xcscr.Step", "step.json")),
+            Self::Step => (
+                "/step",
+                Scope::Both,
+                Fact("xcscr.Step", schema::<event::Outcome>),
+            ),
+            Self::Begin => (
+                "/begin",
+                Scope::Both,
+                Fact("xcscr.Begin", schema::<event::Begin>),
+            ),
             Self::Episode => (
                 "/episode",
                 Scope::Both,
-                own!("xcscr.Episode", "episode.json"),
+                Fact("xcscr.Episode", schema::<event::End>),
             ),
-            Self::Curve => ("/curve", Scope::Episode, own!("xcscr.Curve", "curve.json")),
+            Self::Curve => (
+                "/curve",
+                Scope::Episode,
+                Fact("xcscr.Curve", schema::<event::Curve>),
+            ),
             Self::Log => ("/log", Scope::Both, Message::Log),
             Self::Caption => ("/scene/caption", Scope::Both, Message::Scene),
-            Self::Rule => ("/rule", Scope::Episode, own!("xcscr.Rule", "rule.json")),
+            Self::Rule => (
+                "/rule",
+                Scope::Episode,
+                Fact("xcscr.Rule", schema::<event::Decision>),
+            ),
             Self::RuleText => ("/scene/rule", Scope::Episode, Message::Scene),
             Self::Percept => ("/scene/percept", Scope::Episode, Message::Scene),
-            Self::Estimate => (
-                "/estimate",
+            Self::Localisation => (
+                "/localisation",
                 Scope::Sensed,
-                own!("xcscr.Estimate", "estimate.json"),
+                Fact("xcscr.Localisation", schema::<event::Localisation>),
             ),
             Self::Scan => ("/scan", Scope::Beams, Message::Scan),
-            Self::Ended => ("/ended", Scope::Run, own!("xcscr.Ended", "ended.json")),
         }
     }
 
@@ -169,13 +171,12 @@ impl Topic {
             Scope::Both | Scope::Episode => true,
             Scope::Sensed => senses,
             Scope::Beams => senses && beams,
-            Scope::Run => false,
         })
     }
 
     /// Returns the topics of `run.mcap`.
     pub fn of_run() -> Vec<Self> {
-        Self::at(|scope| matches!(scope, Scope::Both | Scope::Run))
+        Self::at(|scope| scope == Scope::Both)
     }
 
     /// Returns the type of the topic's messages.
@@ -208,24 +209,9 @@ impl Topic {
             Message::Scene => SceneUpdate::get_schema(),
             Message::Scan => LaserScan::get_schema(),
             Message::Log => Log::get_schema(),
-            Message::Own(name, file) => return schema::schema(name, file),
+            Message::Fact(name, schema) => return schema(name),
         };
         well_known.expect("well-known messages have a schema")
-    }
-
-    /// Returns the tree of the topic's schema; null for schemas other than JSON.
-    fn tree(self) -> &'static Value {
-        static TREES: LazyLock<Vec<Value>> = LazyLock::new(|| {
-            let all = Topic::ALL.iter();
-            all.map(|topic| schema::tree(topic.schema())).collect()
-        });
-        &TREES[self as usize]
-    }
-
-    /// Returns the number that stands for a name in a field, according to the topic's schema.
-    fn number(self, field: &str, name: &str) -> Option<u64> {
-        let numbers = self.tree()["properties"][field]["oneOf"].as_array()?;
-        numbers.iter().find(|one| one["title"] == name)?["const"].as_u64()
     }
 
     /// Returns the encoding of the topic's messages: `json` or `protobuf`.
@@ -248,7 +234,7 @@ pub(super) fn decimal(number: f64) -> f64 {
 }
 
 /// Rounds a number to a multiple of 1 / `parts`, never to minus zero.
-fn to_parts(number: f64, parts: f64) -> f64 {
+pub(super) fn to_parts(number: f64, parts: f64) -> f64 {
     (number * parts).round() / parts + 0.0
 }
 

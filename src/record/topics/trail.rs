@@ -25,7 +25,7 @@ const GRID: f64 = 1.0 / 64.0;
 /// Pieces are joined if this moves their common end by at most this much, in cells.
 const MAX_OFFSET: f64 = 1.0 / 64.0;
 /// The impulse with the largest mark, in N s: that of a robot at full speed.
-const HARD_NS: f64 = 8.0;
+const HARD_N_S: f64 = 8.0;
 /// The maximum number of marks per episode. Later hits are on the other topics only.
 const MAX_HITS: usize = 64;
 /// Up to this many lines the trail is written after each step, and above that less and less often.
@@ -77,7 +77,7 @@ impl Trail {
             return;
         }
         let at = maze.point_in_grid(contact.point_in_map);
-        let share = (contact.impulse_ns / HARD_NS).clamp(0.3, 1.0);
+        let share = (contact.impulse_ns / HARD_N_S).clamp(0.3, 1.0);
         let wide = 0.36 * self.unit_m * share;
         let (pose, high) = (place(at.x, at.y, 0.26 * self.unit_m), 0.02 * self.unit_m);
         let size = vector(wide, wide, high);

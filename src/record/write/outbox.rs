@@ -1,10 +1,12 @@
 //! The open files, and the distribution of messages to them.
 
 use foxglove::Encode;
+use serde::Serialize;
 
 use super::log_file::OpenFile;
 use crate::error::Error;
-use crate::record::topics::{Fields, Topic};
+use crate::record::event;
+use crate::record::topics::Topic;
 
 /// The open files that a message is written to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,17 +43,16 @@ impl Outbox {
         self.deliver(to, topic, time_ns)
     }
 
-    /// Sends a message of our own.
+    /// Sends a fact.
     pub fn send_json(
         &mut self,
         to: For,
         topic: Topic,
         time_ns: u64,
-        message: &Fields,
+        fact: &impl Serialize,
     ) -> Result<(), Error> {
         self.scratch.clear();
-        serde_json::to_writer(&mut self.scratch, message)
-            .expect("our messages have text keys and a vector has room");
+        event::write_json(&mut self.scratch, fact);
         self.deliver(to, topic, time_ns)
     }
 

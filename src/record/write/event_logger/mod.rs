@@ -10,13 +10,12 @@ use crate::agent::Agent;
 use crate::arena::View;
 use crate::episode::{Episode, Learned, PolicyMap};
 use crate::error::Error;
+use crate::record::event::{Begin, Contact, Curve, End, Outlook};
 use crate::record::info::{RobotShape, RunInfo, RunKind};
 use crate::record::topics::caption::Caption;
-use crate::record::topics::curve::Curve;
-use crate::record::topics::episode::{self, Outlook};
 use crate::record::topics::trail::Trail;
 use crate::record::topics::transforms::Transforms;
-use crate::record::topics::{Topic, contact, log, maze, policy, robot, values};
+use crate::record::topics::{Topic, log, maze, policy, robot, values};
 use crate::sensor::Sensor;
 use crate::trial::{Judge, steps_to_goal};
 use crate::world::{Cell, Maze};
@@ -139,11 +138,14 @@ impl EventLogger {
         self.shown.episode = Shown::default();
         self.show_learned(out, For::Episode, view.maze, time_ns)?;
         self.show_trail(out, For::Episode, time_ns)?;
-        out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve.message())?;
-        let clear = contact::clear(episode, 0);
+        out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
+        let clear = Contact::clear(episode, 0);
         out.send_json(For::Episode, Topic::Contact, time_ns, &clear)?;
-        let running = episode::running(episode, self.was_optimal);
-        out.send_json(For::Both, Topic::Episode, time_ns, &running)?;
+        let begin = Begin {
+            episode,
+            optimal: self.was_optimal,
+        };
+        out.send_json(For::Both, Topic::Begin, time_ns, &begin)?;
         let (name, all) = self.episodes;
         let all = all.map_or(String::new(), |all| format!(" of {all}"));
         let caption = Caption {
@@ -183,7 +185,8 @@ impl EventLogger {
         let policy = PolicyMap::of(learned.method, learned.sensor, maze);
         let outlook = self.outlook(&policy, learned);
         self.policy = Some(policy);
-        self.curve.push(episode);
+        let end = End::of(episode, &learned.method.knowledge(), &outlook);
+        self.curve.push(&end);
         self.show_learned(out, For::Episode, maze, time_ns)?;
         self.show_learned(out, For::Run, maze, time_ns)?;
         // The last step has already written the trail to the episode's file if it was due.
@@ -196,13 +199,11 @@ impl EventLogger {
         if !self.belief.is_empty() {
             self.show_percept(out, time_ns)?;
         }
-        out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve.message())?;
+        out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
         // The state is unchanged, but viewers draw it only up to its last message.
-        let clear = contact::clear(episode.episode, episode.steps);
+        let clear = Contact::clear(episode.episode, episode.steps);
         out.send_json(For::Episode, Topic::Contact, time_ns, &clear)?;
-        let figures = episode::figures(episode, &learned.method.knowledge(), &outlook);
-        out.send_json(For::Both, Topic::Episode, time_ns, &figures)?;
-        out.send_json(For::Run, Topic::Ended, time_ns, &episode::ended(episode))?;
+        out.send_json(For::Both, Topic::Episode, time_ns, &end)?;
         let said = log::ended(episode, time_ns);
         out.send(For::Both, Topic::Log, time_ns, &said)?;
         if std::mem::replace(&mut self.was_optimal, outlook.optimal) != outlook.optimal {

@@ -3,11 +3,11 @@
 use foxglove::messages::LaserScan;
 
 use super::EventLogger;
-use crate::arena::{Contact, Estimate, Sample, View};
+use crate::arena::{self, Estimate, Sample, View};
 use crate::episode::{PolicyMap, Step};
 use crate::error::Error;
-use crate::record::topics::rule::Reasons;
-use crate::record::topics::{Topic, contact, estimate, log, percept, policy, scan, step};
+use crate::record::event::{Contact, Decision, Localisation, Outcome};
+use crate::record::topics::{Topic, estimate, log, percept, policy, rule, scan};
 use crate::record::write::outbox::{For, Outbox};
 
 /// An event of a move.
@@ -16,29 +16,28 @@ enum Event<'a> {
     Poses(&'a [Sample]),
     Scan(LaserScan),
     /// A hit, with its number in the step.
-    Hit(usize, &'a Contact),
+    Hit(usize, &'a arena::Contact),
 }
 
 impl EventLogger {
     /// Logs a step.
     pub fn stepped(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), Error> {
         let end_ns = step.view.now().time_ns;
-        let reasons = Reasons::of(step, self.sensor);
-        let rule = reasons.record(step, self.sensor, self.goal);
-        out.send_json(For::Episode, Topic::Rule, self.decided_ns, &rule)?;
-        let over_robot = reasons.scene(step.view.maze, self.decided_ns);
+        let decision = Decision::of(step, self.sensor, self.goal);
+        out.send_json(For::Episode, Topic::Rule, self.decided_ns, &decision)?;
+        let over_robot = rule::scene(&decision, step.view.maze, self.decided_ns);
         out.send(For::Episode, Topic::RuleText, self.decided_ns, &over_robot)?;
         let (maze, at_ns) = (step.view.maze, self.decided_ns);
         self.perceived_cells =
             percept::perceived_cells(self.sensor, maze, step.cell, &step.percept, at_ns);
         self.show_percept(out, at_ns)?;
         self.moved(out, step)?;
-        out.send_json(For::Both, Topic::Step, end_ns, &step::record(step))?;
+        out.send_json(For::Both, Topic::Step, end_ns, &Outcome::of(step))?;
         self.show_estimate(out, step.episode, step.step, &step.view)?;
         if step.view.contacts.is_empty() {
             self.warn(out, step, end_ns)?;
         } else {
-            let clear = contact::clear(step.episode, step.step);
+            let clear = Contact::clear(step.episode, step.step);
             out.send_json(For::Episode, Topic::Contact, end_ns, &clear)?;
         }
         step.view
@@ -119,9 +118,9 @@ impl EventLogger {
         out: &mut Outbox,
         step: &Step<'_>,
         number: usize,
-        hit: &Contact,
+        hit: &arena::Contact,
     ) -> Result<(), Error> {
-        let record = contact::hit(step.episode, step.step, hit);
+        let record = Contact::hit(step.episode, step.step, hit);
         out.send_json(For::Episode, Topic::Contact, hit.time_ns, &record)?;
         match number {
             0 => self.warn(out, step, hit.time_ns),
@@ -149,8 +148,8 @@ impl EventLogger {
             return Ok(());
         };
         self.belief = estimate::entities(sensed, self.robot.radius_m, now.time_ns).into();
-        match estimate::record(episode, step, sensed, &now) {
-            Some(record) => out.send_json(For::Episode, Topic::Estimate, now.time_ns, &record),
+        match Localisation::of(episode, step, sensed, &now) {
+            Some(fact) => out.send_json(For::Episode, Topic::Localisation, now.time_ns, &fact),
             None => Ok(()),
         }
     }

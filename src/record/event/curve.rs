@@ -1,33 +1,30 @@
 //! `/curve`: the learning curve so far, so that the file of a single episode can show it.
 
-use super::fields::{Fields, fields};
-use crate::episode::Episode;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::End;
 
 /// The maximum number of points. When it is reached, every second point is dropped.
 const MAX_POINTS: usize = 512;
 
 /// Steps and collisions of the episodes so far.
-#[derive(Debug, Default)]
-pub(in crate::record) struct Curve {
-    episode: Vec<u32>,
-    steps: Vec<u32>,
-    collisions: Vec<u32>,
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Curve {
+    /// Numbers of the episodes so far; long runs have a sample.
+    pub episode: Vec<u32>,
+    /// Steps of each episode.
+    pub steps: Vec<u32>,
+    /// Collisions of each episode.
+    pub collisions: Vec<u32>,
     /// The number of episodes per point.
+    #[serde(skip)]
     stride: u32,
 }
 
 impl Curve {
-    /// Returns the message.
-    pub fn message(&self) -> Fields {
-        fields! { "curve.json":
-            episode: self.episode,
-            steps: self.steps,
-            collisions: self.collisions,
-        }
-    }
-
     /// Adds an episode.
-    pub fn push(&mut self, episode: &Episode) {
+    pub fn push(&mut self, episode: &End) {
         self.stride = self.stride.max(1);
         if self.episode.len() == MAX_POINTS {
             self.stride *= 2;
@@ -47,22 +44,26 @@ impl Curve {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::episode::Ending;
 
-    fn episode(episode: u32) -> Episode {
-        Episode {
+    fn episode(episode: u32) -> End {
+        End {
             episode,
-            ending: Ending::Goal,
+            outcome: "goal".to_owned(),
             steps: 10,
             collisions: 0,
             explored: 0,
-            chosen: Default::default(),
             reward: 0.0,
+            rules: 1,
+            micro: None,
+            generality: None,
+            mean_error: None,
             step_threshold: 50,
             learning_rate: 0.2,
-            filter_firings: 0,
             imprinted: false,
-            rules: 1,
+            optimal: false,
+            greedy_steps: None,
+            shortest: None,
+            start_values: Vec::new(),
         }
     }
 
