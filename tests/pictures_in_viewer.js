@@ -105,7 +105,7 @@ async function picture(browser, name, link, seconds, change = () => {}, size = [
 const closeUp = (cells) => (layout) => {
   const panel = layout.configById["3D!main"];
   panel.followMode = "follow-position";
-  panel.followTf = "robot";
+  panel.followTf = "base_link_true";
   panel.cameraState.distance = cells;
   panel.cameraState.targetOffset = [0, 0, 0];
   layout.layout = "3D!main";

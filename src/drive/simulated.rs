@@ -1,11 +1,12 @@
 //! The simulated robot as seen from outside: commands in, odometry, gyro and scans out.
 
-use nalgebra::{Complex, Isometry2, Translation2, UnitComplex};
+use nalgebra::Isometry2;
 
 use super::readings::{Imu, Odometry, Scan};
 use super::setup::in_grid;
 use super::timeline::STEP_NS;
 use crate::arena::{PhysicsError, PhysicsParams, SensedDrive, Speeds};
+use crate::record::rolled;
 use crate::world::Maze;
 
 /// The duration of a command in nanoseconds of simulated time. The robot then stops.
@@ -143,18 +144,4 @@ impl SimulatedRobot {
             }),
         }
     }
-}
-
-/// Returns the arc of a robot whose left and right wheel rolled from `from` to `to`, in metres.
-fn rolled(from: [f64; 2], to: [f64; 2], base_m: f64) -> Isometry2<f64> {
-    let [left, right] = [to[0] - from[0], to[1] - from[1]];
-    let (distance, half_rad) = ((left + right) / 2.0, (right - left) / base_m / 2.0);
-    let (sine, cosine) = libm::sincos(half_rad);
-    let chord = if half_rad == 0.0 {
-        distance
-    } else {
-        distance * sine / half_rad
-    };
-    let half = UnitComplex::new_unchecked(Complex::new(cosine, sine));
-    Isometry2::from_parts(Translation2::new(chord * cosine, chord * sine), half * half)
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use super::mode::RecordMode;
+use crate::arena::ArenaKind;
 use crate::sensor::Sensor;
 
 /// The key of the metadata record `run` that marks a run that is not a training.
@@ -70,6 +71,11 @@ impl RunInfo {
     pub(super) fn heading(&self, world: &str) -> String {
         let (method, arena, seed) = (&self.method, &self.arena, self.seed.to_string());
         heading([world, method, arena, self.sensor.name(), &seed])
+    }
+
+    /// Returns the distance between the wheels in metres; `None` in arenas without wheels.
+    pub(super) fn wheel_base_m(&self) -> Option<f64> {
+        (self.arena == ArenaKind::Physics.name()).then_some(self.robot.wheel_base_m)
     }
 
     /// Returns the entries of the metadata record `run`.

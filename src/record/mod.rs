@@ -23,5 +23,5 @@ pub(crate) use read::records;
 pub use read::{check, compare, reader};
 pub use serve::server;
 pub use topics::Topic;
-pub(crate) use write::is_ours;
 pub use write::{RecordSummary, Recorder};
+pub(crate) use write::{is_ours, rolled};

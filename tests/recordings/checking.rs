@@ -160,7 +160,7 @@ fn a_topic_with_another_schema_is_found() {
 
 #[test]
 fn a_topic_without_a_message_is_found() {
-    for topic in ["/step", "/scene/policy", "/tf"] {
+    for topic in ["/step", "/scene/policy", "/ground_truth"] {
         let mut parts = episode();
         parts.messages.retain(|message| message.topic() != topic);
         has_only(&parts, &format!("{topic} has no message"));

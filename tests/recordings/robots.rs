@@ -21,7 +21,7 @@ fn extremes(recording: &Recording) -> (f64, [f64; 2]) {
     let mut before: Option<FrameTransform> = None;
     for message in on(recording, "/tf") {
         let frames = FrameTransforms::decode(message.data.as_slice()).unwrap();
-        let robot = |frame: &FrameTransform| frame.child_frame_id == "robot";
+        let robot = |frame: &FrameTransform| frame.child_frame_id == "base_link_true";
         for frame in frames.transforms.into_iter().filter(robot) {
             if let Some(before) = before.replace(frame.clone()) {
                 let seconds = time_s(&frame) - time_s(&before);

@@ -8,6 +8,7 @@ mod decision;
 mod episode;
 mod localisation;
 mod outcome;
+mod pose;
 
 pub use contact::Contact;
 pub use curve::Curve;
@@ -15,6 +16,7 @@ pub use decision::Decision;
 pub use episode::{Begin, End, Outlook};
 pub use localisation::Localisation;
 pub use outcome::Outcome;
+pub use pose::Pose;
 
 use std::borrow::Cow;
 use std::io;

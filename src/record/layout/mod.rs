@@ -52,7 +52,7 @@ fn fitted(layout: &str, maze: &Maze) -> String {
 /// Adds a camera that follows the robot, next to the one that shows the whole maze.
 fn follow(layout: &mut Value, maze: &Maze) {
     let mut panel = layout["configById"]["3D!main"].clone();
-    panel["followTf"] = json!("robot");
+    panel["followTf"] = json!("base_link_true");
     panel["followMode"] = json!("follow-position");
     panel["cameraState"]["distance"] = json!(FOLLOW * maze.cell_size_m());
     panel["cameraState"]["targetOffset"] = json!([0, 0, 0]);

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use foxglove::messages::{FrameTransform, FrameTransforms, SceneUpdate};
+use foxglove::messages::{Odometry, SceneUpdate};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -15,7 +15,7 @@ use crate::record::error;
 use crate::record::info::{self, RunKind};
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::percept::KINDS;
-use crate::record::topics::{ESTIMATE, ROBOT, decimal, decoded, nanoseconds};
+use crate::record::topics::{decimal, decoded};
 use crate::record::{RobotShape, Topic};
 use crate::world::{Cell, Maze};
 use xcs::Action;
@@ -45,8 +45,8 @@ pub struct Data {
     percept_colours: [String; 2],
     /// Time, x, y and heading in the map frame, in seconds, metres and radians.
     pub poses: Vec<[f64; 4]>,
-    /// Time, x, y and heading of the estimated pose, relative to the robot.
-    mistakes: Vec<[f64; 4]>,
+    /// The same of the estimated pose.
+    estimated: Vec<[f64; 4]>,
     pub estimates: Vec<Timed>,
     pub decisions: Vec<Timed>,
     pub episodes: Vec<Timed>,
@@ -189,7 +189,8 @@ impl Data {
         };
         let scene = || decoded::<SceneUpdate>(&message.data);
         match topic {
-            Topic::Transforms => self.follow(&decoded(&message.data)?),
+            Topic::GroundTruth => self.poses.push(pose(t, &decoded(&message.data)?)),
+            Topic::Estimate => self.estimated.push(pose(t, &decoded(&message.data)?)),
             Topic::Robot => self.measure(&scene()?),
             Topic::Policy => self.scenes.policy.push(Scene::of(t, &scene()?)),
             Topic::Values => self.scenes.values.push(Scene::of(t, &scene()?)),
@@ -216,26 +217,6 @@ impl Data {
     fn seconds(&mut self, time_ns: u64) -> f64 {
         let from_ns = *self.from_ns.get_or_insert(time_ns);
         decimal(time_ns.saturating_sub(from_ns) as f64 / 1e9)
-    }
-
-    /// Stores the robot's poses and its estimated poses.
-    fn follow(&mut self, message: &FrameTransforms) {
-        for frame in &message.transforms {
-            let pose = self.pose(frame);
-            match frame.child_frame_id.as_str() {
-                ROBOT => self.poses.push(pose),
-                ESTIMATE => self.mistakes.push(pose),
-                _ => {}
-            }
-        }
-    }
-
-    fn pose(&mut self, frame: &FrameTransform) -> [f64; 4] {
-        let time_ns = frame.timestamp.map_or(0, nanoseconds);
-        let at = frame.translation.unwrap_or_default();
-        let turned = frame.rotation.unwrap_or_default();
-        let yaw_rad = 2.0 * libm::atan2(turned.z, turned.w);
-        [self.seconds(time_ns), at.x, at.y, yaw_rad].map(decimal)
     }
 
     /// Sets the robot's radius to that of its widest part.
@@ -301,6 +282,14 @@ impl Data {
         self.end = self.end.max(last);
         self.result = self.episodes.last().map_or_else(String::new, result);
     }
+}
+
+/// Returns the time, x, y and heading of a pose.
+fn pose(t: f64, message: &Odometry) -> [f64; 4] {
+    let pose = message.pose.unwrap_or_default();
+    let at = pose.position.unwrap_or_default();
+    let turned = pose.orientation.unwrap_or_default();
+    [t, at.x, at.y, 2.0 * libm::atan2(turned.z, turned.w)].map(decimal)
 }
 
 /// Returns the world of a recording.

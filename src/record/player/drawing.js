@@ -98,9 +98,9 @@ function drawTrail(context, begun, pixel) {
 
 /** Draws the estimated pose with its uncertainty, ten times as large as it is. */
 function drawEstimate(context, pixel) {
-  const [robot, mistake] = [poseAt(data.poses, state.t), lastAt(data.mistakes, state.t)];
-  if (!robot || !mistake) return;
-  const at = inGrid(moved(robot, mistake), world.origin);
+  const pose = poseAt(data.estimated, state.t);
+  if (!pose) return;
+  const at = inGrid(pose, world.origin);
   context.strokeStyle = COLOURS.estimate;
   context.lineWidth = 2 * pixel;
   context.beginPath();

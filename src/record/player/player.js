@@ -23,7 +23,7 @@ const { world } = data;
 const [width_m, height_m] = [world.width * world.cell_size_m, world.height * world.cell_size_m];
 
 function withPoses(data) {
-  return { ...data, poses: posesFrom(data.poses, data.begins), mistakes: posesFrom(data.mistakes, []) };
+  return { ...data, poses: posesFrom(data.poses, data.begins), estimated: posesFrom(data.estimated, data.begins) };
 }
 
 // ---- words

@@ -5,7 +5,7 @@ use foxglove::messages::{
 };
 use serde::Serialize;
 
-use crate::record::topics::{WORLD, decimal};
+use crate::record::topics::{GRID, decimal};
 
 /// The scene of a topic from a time on.
 #[derive(Debug, Serialize)]
@@ -32,7 +32,7 @@ impl Scene {
     /// are omitted.
     pub fn of(t: f64, scene: &SceneUpdate) -> Self {
         let entities = scene.entities.iter();
-        let drawn = entities.filter(|entity| entity.frame_id == WORLD);
+        let drawn = entities.filter(|entity| entity.frame_id == GRID);
         let shapes = drawn.flat_map(|entity| {
             let triangles = entity.triangles.iter().map(triangles);
             triangles.chain(entity.lines.iter().map(lines))

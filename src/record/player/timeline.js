@@ -59,12 +59,6 @@ function inGrid(pose, [x, y, yaw]) {
   return { ...pose, x: cos * dx + sin * dy, y: cos * dy - sin * dx, yaw: pose.yaw - yaw };
 }
 
-/** Returns a pose that is given in the frame of another. */
-function moved(frame, { x, y, yaw }) {
-  const [cos, sin] = [Math.cos(frame.yaw), Math.sin(frame.yaw)];
-  return { ...frame, x: frame.x + cos * x - sin * y, y: frame.y + sin * x + cos * y, yaw: frame.yaw + yaw };
-}
-
 /** Returns the time of the next decision after a time (or before it, if `by` is -1). */
 function decisionFrom(decisions, t, by) {
   const at = lastIndex(decisions, t);
@@ -87,5 +81,5 @@ async function inflated(text) {
 }
 
 if (typeof module !== "undefined") {
-  module.exports = { lastIndex, lastAt, turn, posesFrom, poseAt, inGrid, moved, decisionFrom, clock, inflated };
+  module.exports = { lastIndex, lastAt, turn, posesFrom, poseAt, inGrid, decisionFrom, clock, inflated };
 }

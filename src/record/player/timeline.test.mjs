@@ -4,7 +4,7 @@ import { createRequire } from "node:module";
 import { test } from "node:test";
 import { deflateSync } from "node:zlib";
 
-const { lastAt, turn, posesFrom, poseAt, inGrid, moved, decisionFrom, clock, inflated } = createRequire(import.meta.url)("./timeline.js");
+const { lastAt, turn, posesFrom, poseAt, inGrid, decisionFrom, clock, inflated } = createRequire(import.meta.url)("./timeline.js");
 const at = (...times) => times.map((t) => ({ t }));
 
 test("the last entry holds until the next one, and none before the first", () => {
@@ -34,12 +34,6 @@ test("a pose of the map is found in a grid that is moved and turned", () => {
   const pose = inGrid({ x: 1, y: 4, yaw: 2 }, [1, 2, Math.PI / 2]);
   assert.ok(Math.abs(pose.x - 2) < 1e-12 && Math.abs(pose.y) < 1e-12);
   assert.ok(Math.abs(pose.yaw - (2 - Math.PI / 2)) < 1e-12);
-});
-
-test("a pose that is seen from the robot turns with it", () => {
-  const pose = moved({ t: 0, x: 1, y: 2, yaw: Math.PI / 2 }, { x: 3, y: 1, yaw: 1 });
-  assert.ok(Math.abs(pose.x) < 1e-12 && Math.abs(pose.y - 5) < 1e-12);
-  assert.equal(pose.yaw, Math.PI / 2 + 1);
 });
 
 test("steps go from decision to decision and stop at the ends", () => {

@@ -12,7 +12,7 @@ use crate::record::mode::RecordMode;
 use crate::record::topics::Topic;
 use crate::trial::Config;
 
-/// The longest normal gap between messages with poses: each covers two seconds of the trajectory.
+/// The longest normal gap between poses.
 const MAX_GAP_NS: u64 = 2_000_000_000;
 /// The attachments of every recording.
 const ATTACHED: [&str; 2] = ["world.json", "config.json"];

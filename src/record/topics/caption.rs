@@ -3,7 +3,7 @@
 use foxglove::messages::{SceneUpdate, TextPrimitive};
 
 use super::rule;
-use super::scene::{WORLD, entity, label, place, size_m, update};
+use super::scene::{GRID, entity, label, place, size_m, update};
 use crate::world::Maze;
 
 const TITLE: u32 = 0xffffff;
@@ -27,7 +27,7 @@ pub(in crate::record) struct Caption {
 impl Caption {
     /// Returns the caption as a scene.
     pub fn scene(&self, maze: &Maze, time_ns: u64) -> SceneUpdate {
-        let mut lines = entity("caption", WORLD, time_ns);
+        let mut lines = entity("caption", GRID, time_ns);
         let all = [
             (&self.heading, 3.9, 0.7, HEADING),
             (&self.title, 2.45, 1.0, TITLE),

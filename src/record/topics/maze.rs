@@ -3,9 +3,7 @@
 use foxglove::messages::{CubePrimitive, LinePrimitive, SceneEntity, SceneUpdate, TextPrimitive};
 use nalgebra::Point2;
 
-use super::scene::{
-    WORLD, color, cube, entity, lines, place, point, size_m, update, vector, words,
-};
+use super::scene::{GRID, color, cube, entity, lines, place, point, size_m, update, vector, words};
 use crate::world::{Cell, Maze};
 
 /// The colour of the floor.
@@ -29,11 +27,11 @@ const LETTER: f64 = 0.22;
 
 /// Creates the scene of the maze. Very large mazes are drawn without walls.
 pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
-    let mut ground = entity("floor", WORLD, time_ns);
+    let mut ground = entity("floor", GRID, time_ns);
     ground.cubes = vec![floor(maze)];
     ground.cubes.extend(slippery(maze));
     ground.lines = vec![floor_lines(maze)];
-    let mut walls = entity("walls", WORLD, time_ns);
+    let mut walls = entity("walls", GRID, time_ns);
     if !maze.is_too_large() {
         walls.cubes = (0..maze.height())
             .flat_map(|row| blocks(maze, row))
@@ -104,7 +102,7 @@ fn block(maze: &Maze, row: u16, columns: &[u16]) -> CubePrimitive {
 
 /// Creates the labelled tiles of the start, the goals and the auxiliary rewards.
 fn tiles(maze: &Maze, time_ns: u64) -> SceneEntity {
-    let mut tiles = entity("tiles", WORLD, time_ns);
+    let mut tiles = entity("tiles", GRID, time_ns);
     let start = maze.start().map(|cell| (cell, START, "START"));
     let goals = maze.goals().iter().map(|&cell| (cell, GOAL, "GOAL"));
     let paying = maze.rewarding_cells().iter();

@@ -7,6 +7,7 @@ pub(super) mod caption;
 pub(super) mod estimate;
 pub(super) mod log;
 pub(super) mod maze;
+pub(super) mod odometry;
 pub(super) mod percept;
 pub(super) mod policy;
 pub(super) mod robot;
@@ -19,11 +20,11 @@ pub(super) mod values;
 mod decoded;
 
 pub(super) use decoded::decoded;
-pub(super) use scene::{ESTIMATE, ROBOT, WORLD, nanoseconds, size_m};
+pub(super) use scene::{GRID, size_m};
 
 use std::sync::LazyLock;
 
-use foxglove::messages::{FrameTransforms, LaserScan, Log, SceneUpdate};
+use foxglove::messages::{FrameTransforms, LaserScan, Log, Odometry, SceneUpdate};
 use foxglove::{Encode, Schema};
 use strum::VariantArray;
 
@@ -32,8 +33,14 @@ use super::event::{self, schema};
 /// A topic of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, VariantArray)]
 pub enum Topic {
-    /// `/tf`: the robot's pose; each message has the poses of up to two seconds.
+    /// `/tf`: the frames of the robot.
     Transforms,
+    /// `/tf_static`: the frame of the grid, once.
+    Grid,
+    /// `/ground_truth`: the true pose and speeds.
+    GroundTruth,
+    /// `/estimate`: the estimated pose and its covariance, if the robot estimates its pose.
+    Estimate,
     /// `/scene/maze`: floor, walls, start and goals, once.
     Maze,
     /// `/scene/robot`: the robot's body, once; `/tf` moves it.
@@ -89,6 +96,7 @@ enum Scope {
 #[derive(Clone, Copy)]
 enum Message {
     Frames,
+    Odometry,
     Scene,
     Scan,
     Log,
@@ -105,6 +113,9 @@ impl Topic {
         use Message::Fact;
         match self {
             Self::Transforms => ("/tf", Scope::Episode, Message::Frames),
+            Self::Grid => ("/tf_static", Scope::Both, Message::Frames),
+            Self::GroundTruth => ("/ground_truth", Scope::Episode, Message::Odometry),
+            Self::Estimate => ("/estimate", Scope::Sensed, Message::Odometry),
             Self::Maze => ("/scene/maze", Scope::Both, Message::Scene),
             Self::Robot => ("/scene/robot", Scope::Episode, Message::Scene),
             Self::Policy => ("/scene/policy", Scope::Both, Message::Scene),
@@ -206,6 +217,7 @@ impl Topic {
     fn defined(self) -> Schema {
         let well_known = match self.message() {
             Message::Frames => FrameTransforms::get_schema(),
+            Message::Odometry => Odometry::get_schema(),
             Message::Scene => SceneUpdate::get_schema(),
             Message::Scan => LaserScan::get_schema(),
             Message::Log => Log::get_schema(),

@@ -4,7 +4,7 @@
 use foxglove::messages::{LinePrimitive, Point3, SceneEntity, SceneUpdate};
 use nalgebra::Point2;
 
-use super::scene::{WORLD, color, entity, indices_by_four, lines, place, square, update};
+use super::scene::{GRID, color, entity, indices_by_four, lines, place, square, update};
 use crate::sensor::Sensor;
 use crate::world::{Cell, Direction, Maze};
 use xcs::Percept;
@@ -27,7 +27,7 @@ pub(in crate::record) fn perceived_cells(
     percept: &Percept,
     time_ns: u64,
 ) -> SceneEntity {
-    let mut perceived_cells = entity("percept", WORLD, time_ns);
+    let mut perceived_cells = entity("percept", GRID, time_ns);
     if sensor.begins_with_neighbours() {
         let kinds = KINDS.iter().enumerate();
         let frames = kinds.map(|(kind, &rgb)| (rgb, corners(maze, percept, kind)));

@@ -7,7 +7,7 @@ use foxglove::messages::{Color, Point3, SceneUpdate};
 use nalgebra::{Point2, Vector2};
 
 use super::rounded;
-use super::scene::{WORLD, color, entity, mixed, place, point, quads, update};
+use super::scene::{GRID, color, entity, mixed, place, point, quads, update};
 use crate::episode::PolicyMap;
 use crate::picture::{NO_GOAL, SCALE};
 use crate::world::{Cell, Direction, Maze};
@@ -49,7 +49,7 @@ pub(in crate::record) fn scene(marks: &[Mark], maze: &Maze, time_ns: u64) -> Sce
         let corners = best.flat_map(|(_, direction)| arrow(maze, cell, *direction));
         arrows.entry(shade).or_default().extend(corners);
     }
-    let mut policy = entity("policy", WORLD, time_ns);
+    let mut policy = entity("policy", GRID, time_ns);
     let arrows = arrows.into_iter().map(|(shade, corners)| {
         let pose = place(0.0, 0.0, PAINT * maze.cell_size_m());
         quads(pose, corners, colour(shade, 1.0))

@@ -11,13 +11,15 @@ use crate::world::Maze;
 
 /// The grid frame, in which all static objects are drawn: origin in the south-western corner, x
 /// east, y north, z up.
-pub(in crate::record) const WORLD: &str = "world";
-/// The map frame of worlds with an `origin`. Other worlds use the grid frame in its place.
+pub(in crate::record) const GRID: &str = "grid";
+/// The map frame.
 pub(super) const MAP: &str = "map";
-/// The robot's frame: origin on the floor below its middle, x ahead, y to the left.
-pub(in crate::record) const ROBOT: &str = "robot";
-/// The robot's frame at its estimated pose, relative to its true pose.
-pub(in crate::record) const ESTIMATE: &str = "estimate";
+/// The frame of dead reckoning.
+pub(super) const ODOM: &str = "odom";
+/// The robot's frame at its true pose: origin on the floor below its middle, x ahead, y to the left.
+pub(super) const ROBOT: &str = "base_link_true";
+/// The robot's frame at its estimated pose.
+pub(super) const ESTIMATE: &str = "base_link";
 
 /// Returns the width and the height of a maze, in metres.
 pub(in crate::record) fn size_m(maze: &Maze) -> [f64; 2] {
@@ -29,11 +31,6 @@ pub(in crate::record) fn timestamp(time_ns: u64) -> Timestamp {
     const SECOND: u64 = 1_000_000_000;
     let sec = u32::try_from(time_ns / SECOND).unwrap_or(u32::MAX);
     Timestamp::new(sec, (time_ns % SECOND) as u32)
-}
-
-/// Converts a timestamp to nanoseconds of the simulation clock.
-pub(in crate::record) fn nanoseconds(stamp: Timestamp) -> u64 {
-    u64::from(stamp.sec()) * 1_000_000_000 + u64::from(stamp.nsec())
 }
 
 /// Returns the colour `0xRRGGBB` with an opacity from 0 to 1.
@@ -80,8 +77,8 @@ pub(super) fn heading(heading: UnitComplex<f64>) -> Quaternion {
     Quaternion {
         x: 0.0,
         y: 0.0,
-        z: rounded(half(-heading.re).copysign(heading.im)),
-        w: rounded(half(heading.re)),
+        z: half(-heading.re).copysign(heading.im),
+        w: half(heading.re),
     }
 }
 
@@ -188,7 +185,7 @@ pub(super) fn entity(id: &str, frame: &str, time_ns: u64) -> SceneEntity {
         timestamp: Some(timestamp(time_ns)),
         frame_id: frame.to_owned(),
         id: id.to_owned(),
-        frame_locked: frame != WORLD,
+        frame_locked: frame != GRID,
         ..SceneEntity::default()
     }
 }
@@ -225,6 +222,5 @@ mod tests {
     #[test]
     fn a_timestamp_counts_seconds_and_nanoseconds() {
         assert_eq!(timestamp(1_500_000_000), Timestamp::new(1, 500_000_000));
-        assert_eq!(nanoseconds(timestamp(1_500_000_000)), 1_500_000_000);
     }
 }

@@ -5,8 +5,9 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use foxglove::messages::{Color, CylinderPrimitive, LinePrimitive, Point3, SceneUpdate};
 use nalgebra::{Point2, Vector2};
 
-use super::scene::{WORLD, color, cylinder, entity, lines, place, point, update, vector};
-use crate::arena::{Contact, Sample, View};
+use super::scene::{GRID, color, cylinder, entity, lines, place, point, update, vector};
+use crate::arena::{Contact, View};
+use crate::record::event::Pose;
 use crate::world::{Cell, Maze};
 
 pub(super) const HIT: u32 = 0xe0322f;
@@ -21,7 +22,7 @@ const DASH: f64 = 0.12;
 /// whose number does not grow with the steps.
 const MAX_PIECES: usize = 640;
 /// The grid that the ends of pieces are aligned to, in cells; finer detail is not visible.
-const GRID: f64 = 1.0 / 64.0;
+const FINENESS: f64 = 1.0 / 64.0;
 /// Pieces are joined if this moves their common end by at most this much, in cells.
 const MAX_OFFSET: f64 = 1.0 / 64.0;
 /// The impulse with the largest mark, in N s: that of a robot at full speed.
@@ -85,7 +86,7 @@ impl Trail {
     }
 
     /// Continues along these poses to the robot's position.
-    pub fn step(&mut self, view: &View<'_>, poses: &[Sample], explored: bool) {
+    pub fn step(&mut self, view: &View<'_>, poses: &[Pose], explored: bool) {
         self.steps += 1;
         self.least_steps = view.wheels_mps.map_or(1, |_| WHEEL_STEPS);
         self.drive(view.maze, poses, explored);
@@ -106,7 +107,7 @@ impl Trail {
     }
 
     /// Adds the trajectory between poses.
-    fn drive(&mut self, maze: &Maze, poses: &[Sample], explored: bool) {
+    fn drive(&mut self, maze: &Maze, poses: &[Pose], explored: bool) {
         let mut driven_m = 0.0;
         for pair in poses.windows(2) {
             let [from, to] = [0, 1]
@@ -149,7 +150,7 @@ impl Trail {
     }
 
     fn on_grid(&self, at: Point2<f64>) -> Point3 {
-        let grid_m = GRID * self.unit_m;
+        let grid_m = FINENESS * self.unit_m;
         let on_grid = |along_m: f64| (along_m / grid_m).round() * grid_m;
         point(Point2::new(on_grid(at.x), on_grid(at.y)), 0.0)
     }
@@ -173,7 +174,7 @@ impl Trail {
 
     /// Returns the trail as a scene.
     pub fn scene(&self, time_ns: u64) -> SceneUpdate {
-        let mut trail = entity("trail", WORLD, time_ns);
+        let mut trail = entity("trail", GRID, time_ns);
         if self.is_cut && !self.lines.is_empty() {
             trail.lines.push(LinePrimitive {
                 indices: self.lines.clone(),
@@ -188,7 +189,7 @@ impl Trail {
                 ..self.line([0.055, 0.035], points)
             });
         }
-        let mut hits = entity("hits", WORLD, time_ns);
+        let mut hits = entity("hits", GRID, time_ns);
         hits.cylinders.clone_from(&self.hits);
         update(vec![trail, hits])
     }

@@ -1,142 +1,156 @@
-//! `/tf`: the robot's pose.
+//! `/tf` and `/tf_static`: the frames, as in ROS 2 (REP 105).
 //!
-//! Every message carries the whole tree of frames: the robot in the map frame, and below the robot
-//! the error of a robot that estimates its pose. In worlds with an `origin`, the grid frame, in
-//! which walls are drawn, is a separate frame in the map frame. In other worlds the two are the
-//! same. Turning wheels are omitted: they would double the size of a recording and are only a few
-//! pixels wide.
+//! ```text
+//! map ─┬─▶ odom ─▶ base_link     where the robot estimates that it is
+//!      ├─▶ base_link_true        where it is
+//!      └─▶ grid                  the frame of walls and cells, once
+//! ```
 //!
-//! A message also carries the poses of the next two seconds, each with its time. Viewers
-//! interpolate between them, so that the robot moves smoothly. A message per pose would add a third
-//! of the file in headers and index.
+//! A robot that is given its true pose has `base_link` there. Turning wheels are omitted: they
+//! would double the size of a recording and are only a few pixels wide.
 
-use foxglove::messages::{FrameTransform, FrameTransforms, Quaternion, Vector3};
+use foxglove::messages::{FrameTransform, FrameTransforms, Pose, Quaternion, Vector3};
 use nalgebra::Isometry2;
 
-use super::scene::{ESTIMATE, MAP, ROBOT, WORLD, heading, timestamp};
+use super::scene::{ESTIMATE, GRID, MAP, ODOM, ROBOT, heading, timestamp};
 use super::to_parts;
-use crate::arena::{Estimate, Sample};
-use crate::world::{Maze, Origin};
+use crate::record::event;
+use crate::world::Maze;
 
 /// Finer detail than this fraction, a millimetre or a tenth of a degree, is not visible in a viewer.
 /// Most of a recording is poses.
 const VISIBLE: f64 = 1024.0;
+/// The correction of dead reckoning is written finer: an error of its angle moves the robot by its
+/// distance from the start.
+const FINE: f64 = 4096.0;
 
-/// The message, reused between segments to avoid allocations.
-#[derive(Debug, Default)]
-pub(in crate::record) struct Transforms {
-    message: FrameTransforms,
-    /// The pose of the grid frame in the map frame, in worlds where they differ.
-    origin: Option<Origin>,
-}
-
-impl Transforms {
-    /// Creates the frames of a robot in this maze.
-    pub fn new(maze: &Maze) -> Self {
-        Self {
-            origin: (maze.origin() != Origin::default()).then(|| maze.origin()),
-            ..Self::default()
-        }
-    }
-
-    /// Returns the frames at the times of some samples, oldest first.
-    ///
-    /// The estimated pose relative to the true pose is given for the first sample only. It changes
-    /// slowly, and all of them would double the message.
-    pub fn along(&mut self, segment: &[Sample], belief: Option<&Estimate>) -> &FrameTransforms {
-        let root = if self.origin.is_some() { MAP } else { WORLD };
-        let transforms = &mut self.message.transforms;
-        transforms.truncate(segment.len());
-        transforms.resize_with(segment.len(), FrameTransform::default);
-        for (frame, sample) in transforms.iter_mut().zip(segment) {
-            name(frame, root, ROBOT);
-            put(frame, sample.time_ns, &sample.robot_in_map);
-        }
-        if let Some((estimate, first)) = belief.zip(segment.first()) {
-            let mut frame = FrameTransform::default();
-            name(&mut frame, ROBOT, ESTIMATE);
-            let mistake = first.robot_in_map.inv_mul(&estimate.robot_in_map);
-            put(&mut frame, first.time_ns, &mistake);
-            transforms.push(frame);
-        }
-        if let Some((origin, first)) = self.origin.zip(segment.first()) {
-            transforms.push(grid_frame(origin, first.time_ns));
-        }
-        &self.message
+/// Returns the frames that move, at the time of a pose.
+pub(in crate::record) fn moving(pose: &event::Pose) -> FrameTransforms {
+    let odom_in_map = pose.assumed_in_map() * pose.robot_in_odom.inverse();
+    let frames = [
+        (MAP, ODOM, odom_in_map, FINE),
+        (ODOM, ESTIMATE, pose.robot_in_odom, VISIBLE),
+        (MAP, ROBOT, pose.robot_in_map, VISIBLE),
+    ];
+    let transforms = frames.map(|(parent, child, at, parts)| {
+        frame(
+            parent,
+            child,
+            pose.time_ns,
+            position(&at, parts),
+            turn(&at, parts),
+        )
+    });
+    FrameTransforms {
+        transforms: transforms.into(),
     }
 }
 
-/// Returns the grid frame in the map frame. It is not rounded because a whole map is drawn in it.
-fn grid_frame(origin: Origin, time_ns: u64) -> FrameTransform {
+/// Returns the frame of the grid. It is not rounded because a whole map is drawn in it.
+pub(in crate::record) fn fixed(maze: &Maze, time_ns: u64) -> FrameTransforms {
+    let origin = maze.origin();
     let (sine, cosine) = libm::sincos(origin.yaw_rad / 2.0);
+    let at = Vector3 {
+        x: origin.x_m,
+        y: origin.y_m,
+        z: 0.0,
+    };
+    let turned = Quaternion {
+        z: sine,
+        w: cosine,
+        ..Quaternion::default()
+    };
+    FrameTransforms {
+        transforms: vec![frame(MAP, GRID, time_ns, at, turned)],
+    }
+}
+
+fn frame(
+    parent: &str,
+    child: &str,
+    time_ns: u64,
+    at: Vector3,
+    turned: Quaternion,
+) -> FrameTransform {
     FrameTransform {
         timestamp: Some(timestamp(time_ns)),
-        parent_frame_id: MAP.to_owned(),
-        child_frame_id: WORLD.to_owned(),
-        translation: Some(Vector3 {
-            x: origin.x_m,
-            y: origin.y_m,
-            z: 0.0,
-        }),
-        rotation: Some(Quaternion {
-            z: sine,
-            w: cosine,
-            ..Quaternion::default()
-        }),
+        parent_frame_id: parent.to_owned(),
+        child_frame_id: child.to_owned(),
+        translation: Some(at),
+        rotation: Some(turned),
     }
 }
 
-/// Sets a frame's pose and time.
-fn put(frame: &mut FrameTransform, time_ns: u64, pose: &Isometry2<f64>) {
-    let middle = pose.translation;
-    frame.timestamp = Some(timestamp(time_ns));
-    frame.translation = Some(Vector3 {
-        x: to_parts(middle.x, VISIBLE),
-        y: to_parts(middle.y, VISIBLE),
-        z: 0.0,
-    });
-    let turned = heading(pose.rotation);
-    frame.rotation = Some(Quaternion {
-        z: to_parts(turned.z, VISIBLE),
-        w: to_parts(turned.w, VISIBLE),
-        ..turned
-    });
+/// Returns the position of a pose on the floor, in multiples of 1 / `parts`.
+fn position(pose: &Isometry2<f64>, parts: f64) -> Vector3 {
+    let [x, y] = [pose.translation.x, pose.translation.y].map(|along| to_parts(along, parts));
+    Vector3 { x, y, z: 0.0 }
 }
 
-fn name(frame: &mut FrameTransform, parent: &str, child: &str) {
-    parent.clone_into(&mut frame.parent_frame_id);
-    child.clone_into(&mut frame.child_frame_id);
+/// Returns the heading of a pose on the floor, in multiples of 1 / `parts`.
+fn turn(pose: &Isometry2<f64>, parts: f64) -> Quaternion {
+    let turned = heading(pose.rotation);
+    Quaternion {
+        z: to_parts(turned.z, parts),
+        w: to_parts(turned.w, parts),
+        ..turned
+    }
+}
+
+/// Returns position and heading of a pose on the floor, as fine as is visible.
+pub(super) fn visible(pose: &Isometry2<f64>) -> Pose {
+    Pose {
+        position: Some(position(pose, VISIBLE)),
+        orientation: Some(turn(pose, VISIBLE)),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Vector2;
+    use crate::arena::Estimate;
+    use nalgebra::{Matrix3, Vector2};
 
-    /// Returns the frames of a robot in a world with this key: parent, child and position of each.
-    fn frames(origin: &str) -> Vec<(String, String, [f64; 2])> {
-        let text = format!(r######"{{ {origin} "rows": ["####", "#SG#", "####"] }}"######);
-        let maze = Maze::from_json(text.as_bytes(), "m.json").unwrap();
-        let sample = Sample {
-            time_ns: 0,
-            robot_in_map: Isometry2::new(Vector2::new(8.5, 2.5), 0.25),
-            wheel_travel_m: [0.0; 2],
-        };
-        let mut transforms = Transforms::new(&maze);
-        let message = transforms.along(&[sample], None);
-        let frame = |frame: &FrameTransform| {
+    /// Returns parent, child and position of each frame.
+    fn shown(message: &FrameTransforms) -> Vec<(&str, &str, [f64; 2])> {
+        let frame = |frame: &'_ FrameTransform| {
             let at = frame.translation.as_ref().unwrap();
-            let (parent, child) = (&frame.parent_frame_id, &frame.child_frame_id);
-            (parent.clone(), child.clone(), [at.x, at.y])
+            [at.x, at.y]
         };
-        message.transforms.iter().map(frame).collect()
+        let all = message.transforms.iter();
+        all.map(|one| (&*one.parent_frame_id, &*one.child_frame_id, frame(one)))
+            .collect()
     }
 
     #[test]
-    fn robot_and_grid_are_in_the_map_frame_if_the_world_has_one() {
-        let robot = |parent: &str| (parent.to_owned(), ROBOT.to_owned(), [8.5, 2.5]);
-        assert_eq!(frames(""), [robot(WORLD)]);
-        let grid = (MAP.to_owned(), WORLD.to_owned(), [7.0, 2.0]);
-        assert_eq!(frames(r#""origin": [7, 2, 0.25],"#), [robot(MAP), grid]);
+    fn frames_have_the_same_names_in_every_world() {
+        for (origin, at) in [("", [0.0, 0.0]), (r#""origin": [7, 2, 0.25],"#, [7.0, 2.0])] {
+            let text = format!(r######"{{ {origin} "rows": ["####", "#SG#", "####"] }}"######);
+            let maze = Maze::from_json(text.as_bytes(), "m.json").unwrap();
+            assert_eq!(shown(&fixed(&maze, 0)), [("map", "grid", at)]);
+        }
+    }
+
+    #[test]
+    fn base_link_is_at_the_estimate_and_odom_corrects_dead_reckoning() {
+        let at = |x, y| Isometry2::new(Vector2::new(x, y), 0.0);
+        let mut pose = event::Pose {
+            time_ns: 0,
+            robot_in_map: at(8.5, 2.5),
+            robot_in_odom: at(1.0, 0.0),
+            estimate: Some(Estimate {
+                robot_in_map: at(8.0, 2.0),
+                covariance: Matrix3::identity(),
+            }),
+            velocity_mps: Vector2::zeros(),
+            turn_radps: 0.0,
+        };
+        let reckoned = ("odom", "base_link", [1.0, 0.0]);
+        let truth = ("map", "base_link_true", [8.5, 2.5]);
+        let frames = [("map", "odom", [7.0, 2.0]), reckoned, truth];
+        assert_eq!(shown(&moving(&pose)), frames);
+        pose.estimate = None;
+        let frames = [("map", "odom", [7.5, 2.5]), reckoned, truth];
+        assert_eq!(shown(&moving(&pose)), frames);
     }
 }

@@ -9,7 +9,7 @@ use foxglove::messages::{Color, LinePrimitive, Point3, SceneUpdate, line_primiti
 
 use super::maze::FLOOR;
 use super::policy;
-use super::scene::{WORLD, color, entity, lines, mixed, place, point, quads, square, update};
+use super::scene::{GRID, color, entity, lines, mixed, place, point, quads, square, update};
 use crate::episode::PolicyMap;
 use crate::world::{Cell, Maze};
 
@@ -92,7 +92,7 @@ pub(in crate::record) fn scene(shown: &Floor, maze: &Maze, time_ns: u64) -> Scen
         let around = square(maze.centre_in_grid(cell), 0.5 * maze.cell_size_m());
         corners.entry(tint).or_default().extend(around);
     }
-    let mut floor = entity("values", WORLD, time_ns);
+    let mut floor = entity("values", GRID, time_ns);
     let lift_m = LIFT[usize::from(is_large(maze))] * maze.cell_size_m();
     let squares = corners.into_iter().map(|(tint, corners)| {
         let pose = place(0.0, 0.0, lift_m);

@@ -2,14 +2,12 @@
 
 use nalgebra::Vector2;
 
-use crate::arena::Sample;
+use crate::record::event::Pose;
 
-/// The minimum time between the physics samples that are considered.
+/// The minimum time between the poses that are considered.
 const PERIOD_NS: u64 = 50_000_000;
 /// The maximum time between two written poses.
 const MAX_INTERVAL_NS: u64 = 500_000_000;
-/// The time span of the poses in a message.
-const SEGMENT_NS: u64 = 2_000_000_000;
 /// Viewers interpolate linearly between two poses. Poses in between are omitted if the
 /// interpolation error is at most this share of a cell.
 const MAX_OFFSET: f64 = 0.012;
@@ -19,7 +17,7 @@ const MAX_TURN_ERROR_RAD: f64 = 0.045;
 /// The written poses of the last move; at first the start of the episode.
 #[derive(Debug)]
 pub(super) struct Trajectory {
-    poses: Vec<Sample>,
+    poses: Vec<Pose>,
     off_m: f64,
 }
 
@@ -33,15 +31,15 @@ impl Trajectory {
     }
 
     /// Starts a new trajectory at the episode's start.
-    pub fn restart(&mut self, now: Sample) {
+    pub fn restart(&mut self, now: Pose) {
         self.poses.clear();
         self.poses.push(now);
     }
 
     /// Replaces the trajectory by that of a move, which begins where the last one ended.
-    pub fn follow(&mut self, trace: &[Sample]) {
+    pub fn follow(&mut self, trace: &[Pose]) {
         self.poses.drain(..self.poses.len().saturating_sub(1));
-        let mut considered: Vec<Sample> = self.poses.clone();
+        let mut considered: Vec<Pose> = self.poses.clone();
         let end_ns = trace.last().map(|sample| sample.time_ns);
         for sample in trace {
             let ahead_ns = match considered.last() {
@@ -56,29 +54,13 @@ impl Trajectory {
     }
 
     /// Returns the poses, oldest first.
-    pub fn poses(&self) -> &[Sample] {
+    pub fn poses(&self) -> &[Pose] {
         &self.poses
-    }
-
-    /// Returns the poses in segments, one per message. Each segment begins with the last pose of
-    /// the previous one.
-    pub fn segments(&self) -> Vec<&[Sample]> {
-        let mut segments = Vec::new();
-        let mut from = 0;
-        while from + 1 < self.poses.len() {
-            let until_ns = self.poses[from].time_ns + SEGMENT_NS;
-            let within = self.poses[from + 1..].iter();
-            let within = within.take_while(|pose| pose.time_ns <= until_ns).count();
-            let to = from + within.max(1);
-            segments.push(&self.poses[from..=to]);
-            from = to;
-        }
-        segments
     }
 }
 
 /// Returns the poses without those that viewers interpolate closely enough.
-fn simplified(poses: &[Sample], off_m: f64) -> Vec<Sample> {
+fn simplified(poses: &[Pose], off_m: f64) -> Vec<Pose> {
     let turned_rad = turned(poses);
     let mut simplified = Vec::new();
     let mut from = 0;
@@ -94,7 +76,7 @@ fn simplified(poses: &[Sample], off_m: f64) -> Vec<Sample> {
 }
 
 /// Returns the accumulated rotation up to each pose, in radians.
-fn turned(poses: &[Sample]) -> Vec<f64> {
+fn turned(poses: &[Pose]) -> Vec<f64> {
     let mut sum_rad = 0.0;
     let mut turned_rad = vec![0.0; poses.len().min(1)];
     for pair in poses.windows(2) {
@@ -107,7 +89,7 @@ fn turned(poses: &[Sample]) -> Vec<f64> {
 }
 
 /// Returns true if all poses between two of them may be omitted.
-fn spans(poses: &[Sample], turned_rad: &[f64], from: usize, to: usize, off_m: f64) -> bool {
+fn spans(poses: &[Pose], turned_rad: &[f64], from: usize, to: usize, off_m: f64) -> bool {
     let length_ns = poses[to].time_ns - poses[from].time_ns;
     let place = |at: usize| -> Vector2<f64> { poses[at].robot_in_map.translation.vector };
     length_ns <= MAX_INTERVAL_NS
@@ -126,20 +108,23 @@ mod tests {
     use nalgebra::{Isometry2, Vector2};
 
     /// Returns poses every 10 ms, whose position and heading follow from the time in seconds.
-    fn trace(seconds: f64, pose: impl Fn(f64) -> (f64, f64)) -> Vec<Sample> {
+    fn trace(seconds: f64, pose: impl Fn(f64) -> (f64, f64)) -> Vec<Pose> {
         let count = (seconds * 100.0) as u64;
         let sample = |number: u64| {
             let (x, heading_rad) = pose(number as f64 / 100.0);
-            Sample {
+            Pose {
                 time_ns: number * 10_000_000,
                 robot_in_map: Isometry2::new(Vector2::new(x, 0.0), heading_rad),
-                wheel_travel_m: [0.0; 2],
+                robot_in_odom: Isometry2::identity(),
+                estimate: None,
+                velocity_mps: Vector2::zeros(),
+                turn_radps: 0.0,
             }
         };
         (0..=count).map(sample).collect()
     }
 
-    fn trajectory(trace: &[Sample]) -> Trajectory {
+    fn trajectory(trace: &[Pose]) -> Trajectory {
         let mut trajectory = Trajectory::new(1.0);
         trajectory.restart(trace[0]);
         trajectory.follow(trace);
@@ -175,18 +160,6 @@ mod tests {
                 apart.rotation.angle().abs() <= 2.0 * MAX_TURN_ERROR_RAD,
                 "{sample:?}"
             );
-        }
-    }
-
-    #[test]
-    fn segments_follow_each_other_without_a_gap() {
-        let trajectory = trajectory(&trace(4.0, |s| (0.3 * s, (3.0 * s).sin())));
-        let segments = trajectory.segments();
-        assert_eq!(segments[0][0], trajectory.poses()[0]);
-        assert_eq!(segments.last().unwrap().last(), trajectory.poses().last());
-        for pair in segments.windows(2) {
-            assert_eq!(pair[0].last(), pair[1].first());
-            assert!(pair[0].last().unwrap().time_ns - pair[0][0].time_ns <= SEGMENT_NS);
         }
     }
 }

@@ -4,6 +4,7 @@ mod step;
 
 use foxglove::messages::SceneEntity;
 
+use super::odometry::Odometry;
 use super::outbox::{For, Outbox};
 use super::trajectory::Trajectory;
 use crate::agent::Agent;
@@ -14,12 +15,11 @@ use crate::record::event::{Begin, Contact, Curve, End, Outlook};
 use crate::record::info::{RobotShape, RunInfo, RunKind};
 use crate::record::topics::caption::Caption;
 use crate::record::topics::trail::Trail;
-use crate::record::topics::transforms::Transforms;
-use crate::record::topics::{Topic, log, maze, policy, robot, values};
+use crate::record::topics::{Topic, log, maze, policy, robot, transforms, values};
 use crate::sensor::Sensor;
 use crate::trial::{Judge, steps_to_goal};
 use crate::world::{Cell, Maze};
-use step::belief;
+use step::send_pose;
 use xcs::PredictionArray;
 
 /// The average number of cells per step whose action values are queried.
@@ -34,7 +34,7 @@ pub(super) struct EventLogger {
     heading: String,
     /// The word for an episode, and the number of episodes if it is known.
     episodes: (&'static str, Option<u32>),
-    transforms: Transforms,
+    odometry: Odometry,
     trail: Trail,
     curve: Curve,
     judge: Judge,
@@ -92,7 +92,7 @@ impl EventLogger {
                 RunKind::Evaluation => ("Greedy drive", Some(info.episodes)),
                 RunKind::External => ("Episode", None),
             },
-            transforms: Transforms::new(maze),
+            odometry: Odometry::new(info.wheel_base_m()),
             trail: Trail::new(maze),
             curve: Curve::default(),
             judge: Judge::new(maze, info.sensor, info.slip),
@@ -127,9 +127,11 @@ impl EventLogger {
         self.decided_ns = time_ns;
         self.start = Some(view.cell);
         self.trail.restart(view);
-        self.trajectory.restart(now);
-        let frames = self.transforms.along(&[now], belief(view, time_ns));
-        out.send(For::Episode, Topic::Transforms, time_ns, frames)?;
+        self.odometry.restart();
+        if let Some(pose) = self.odometry.follow(view).pop() {
+            self.trajectory.restart(pose);
+            send_pose(out, &pose)?;
+        }
         self.show_estimate(out, episode, 0, view)?;
         for (sent_ns, scan) in self.scans(view, true) {
             out.send(For::Episode, Topic::Scan, sent_ns, &scan)?;
@@ -165,9 +167,11 @@ impl EventLogger {
         view: &View<'_>,
         time_ns: u64,
     ) -> Result<(), Error> {
-        let maze = maze::scene(view.maze, time_ns);
         let shown = std::mem::replace(&mut self.maze_shown, true);
         let to = if shown { For::Episode } else { For::Both };
+        let grid = transforms::fixed(view.maze, time_ns);
+        out.send(to, Topic::Grid, time_ns, &grid)?;
+        let maze = maze::scene(view.maze, time_ns);
         out.send(to, Topic::Maze, time_ns, &maze)?;
         let robot = robot::scene(&self.robot, time_ns);
         out.send(For::Episode, Topic::Robot, time_ns, &robot)

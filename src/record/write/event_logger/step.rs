@@ -3,17 +3,18 @@
 use foxglove::messages::LaserScan;
 
 use super::EventLogger;
-use crate::arena::{self, Estimate, Sample, View};
+use crate::arena::{self, View};
 use crate::episode::{PolicyMap, Step};
 use crate::error::Error;
-use crate::record::event::{Contact, Decision, Localisation, Outcome};
-use crate::record::topics::{Topic, estimate, log, percept, policy, rule, scan};
+use crate::record::event::{Contact, Decision, Localisation, Outcome, Pose};
+use crate::record::topics::{
+    Topic, estimate, log, odometry, percept, policy, rule, scan, transforms,
+};
 use crate::record::write::outbox::{For, Outbox};
 
 /// An event of a move.
 enum Event<'a> {
-    /// A segment of the trajectory.
-    Poses(&'a [Sample]),
+    Pose(&'a Pose),
     Scan(LaserScan),
     /// A hit, with its number in the step.
     Hit(usize, &'a arena::Contact),
@@ -80,9 +81,10 @@ impl EventLogger {
 
     /// Logs the trajectory of a step: poses, scans and hits, in order of time.
     fn moved(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), Error> {
-        self.trajectory.follow(step.view.trace);
-        let segments = self.trajectory.segments().into_iter();
-        let poses = segments.map(|segment| (segment[0].time_ns, Event::Poses(segment)));
+        self.trajectory.follow(&self.odometry.follow(&step.view));
+        // The first pose is the last one of the move before.
+        let poses = self.trajectory.poses().iter().skip(1);
+        let poses = poses.map(|pose| (pose.time_ns, Event::Pose(pose)));
         let scans = self.scans(&step.view, false).into_iter();
         let scans = scans.map(|(time_ns, scan)| (time_ns, Event::Scan(scan)));
         let hits = step.view.contacts.iter().enumerate();
@@ -92,11 +94,7 @@ impl EventLogger {
         events.sort_by_key(|(time_ns, _)| *time_ns);
         for (time_ns, event) in events {
             match event {
-                Event::Poses(segment) => {
-                    let belief = belief(&step.view, time_ns);
-                    let frames = self.transforms.along(segment, belief);
-                    out.send(For::Episode, Topic::Transforms, time_ns, frames)?;
-                }
+                Event::Pose(pose) => send_pose(out, pose)?,
                 Event::Scan(scan) => out.send(For::Episode, Topic::Scan, time_ns, &scan)?,
                 Event::Hit(number, hit) => self.hit(out, step, number, hit)?,
             }
@@ -161,8 +159,16 @@ impl EventLogger {
     }
 }
 
-/// Returns the pose estimate at a time of the view, if the robot estimates its pose.
-pub(super) fn belief<'a>(view: &View<'a>, time_ns: u64) -> Option<&'a Estimate> {
-    let at = view.trace.iter().position(|s| s.time_ns == time_ns)?;
-    view.sensed?.estimates.get(at)
+/// Logs where the robot is, and where it estimates that it is.
+pub(super) fn send_pose(out: &mut Outbox, pose: &Pose) -> Result<(), Error> {
+    let time_ns = pose.time_ns;
+    let frames = transforms::moving(pose);
+    out.send(For::Episode, Topic::Transforms, time_ns, &frames)?;
+    let truth = odometry::truth(pose);
+    out.send(For::Episode, Topic::GroundTruth, time_ns, &truth)?;
+    if let Some(estimate) = &pose.estimate {
+        let estimate = odometry::estimate(time_ns, estimate);
+        out.send(For::Episode, Topic::Estimate, time_ns, &estimate)?;
+    }
+    Ok(())
 }
