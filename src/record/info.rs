@@ -10,6 +10,9 @@ use crate::sensor::Sensor;
 /// The key of the metadata record `run` that marks a run that is not a training.
 pub(super) const KIND: &str = "kind";
 
+/// The key of the metadata record `run` with the radius of the robot, in metres.
+pub(super) const RADIUS: &str = "robot_radius_m";
+
 /// The kind of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RunKind {
@@ -91,6 +94,7 @@ impl RunInfo {
             ("episodes", self.episodes.to_string()),
             ("method", self.method.clone()),
             ("record", mode.to_string()),
+            (RADIUS, self.robot.radius_m.to_string()),
             ("seed", self.seed.to_string()),
             ("sensor", self.sensor.name().to_owned()),
             ("version", env!("CARGO_PKG_VERSION").to_owned()),

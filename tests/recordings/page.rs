@@ -14,7 +14,7 @@ use xcscr::record::reader::Recording;
 use crate::GRID;
 use crate::copies::Parts;
 use crate::kit::desk::Desk;
-use crate::kit::messages::{messages, said};
+use crate::kit::messages::{count, messages, said};
 
 const SAMPLE: &str = "recordings/sample-maze4.mcap";
 
@@ -54,18 +54,46 @@ fn a_page_has_the_decisions_values_estimates_and_episodes_of_its_recording() {
         assert_eq!(decision["values"], step["values"], "{decision}");
     }
     for (list, topic) in [
-        ("estimates", "/localisation"),
+        ("localisations", "/localisation"),
         ("begins", "/begin"),
-        ("contacts", "/contact"),
+        ("ends", "/episode"),
+        ("poses", "/ground_truth"),
+        ("estimated", "/estimate"),
+        ("learned", "/values"),
     ] {
         let length = data[list].as_array().unwrap().len();
-        assert_eq!(length, said(&recording, topic).len(), "{list}");
+        assert_eq!(length as u64, count(&recording, topic), "{list}");
     }
     let times = || messages(&recording).map(|message| message.time_ns);
     let length_ns = times().max().unwrap() - times().min().unwrap();
     let end_s = data["end"].as_f64().unwrap();
     assert!((end_s - length_ns as f64 / 1e9).abs() < 0.01, "{end_s}");
     assert_eq!(data["poses"][0].as_array().unwrap().len(), 4);
+}
+
+/// Returns the shape of a JSON value: the names of its fields, and the types of its values. A list has the
+/// shape of its first entry.
+fn shape(value: &Value) -> Value {
+    match value {
+        Value::Null => "null".into(),
+        Value::Bool(_) => "boolean".into(),
+        Value::Number(_) => "number".into(),
+        Value::String(_) => "string".into(),
+        Value::Array(list) => list.iter().take(1).map(shape).collect(),
+        Value::Object(fields) => {
+            let fields = fields
+                .iter()
+                .map(|(name, field)| (name.clone(), shape(field)));
+            fields.collect::<serde_json::Map<_, _>>().into()
+        }
+    }
+}
+
+/// The script of the page reads these fields.
+#[test]
+fn the_data_of_a_page_have_these_fields() {
+    let data = data(&player::page(&sample()).unwrap());
+    insta::assert_snapshot!(serde_json::to_string_pretty(&shape(&data)).unwrap());
 }
 
 #[test]
@@ -150,7 +178,7 @@ fn the_page_loads_nothing_and_its_policy_forbids_it() {
 #[test]
 fn messages_that_take_far_more_memory_than_bytes_are_no_part_of_a_page() {
     let mut parts = Parts::of(&sample());
-    let policy = parts.messages_on("/scene/policy").next().unwrap();
+    let policy = parts.messages_on("/values").next().unwrap();
     policy.data = [0x12, 0].repeat(4 << 20);
     let name = Path::new("forged.mcap");
     let options = || mcap::WriteOptions::new().compression(None);
@@ -158,7 +186,7 @@ fn messages_that_take_far_more_memory_than_bytes_are_no_part_of_a_page() {
     let fault = player::page(&forged).unwrap_err().to_string();
     assert!(fault.contains("far more memory"), "{fault}");
     // JSON of 20 MB, which takes some 500 MB as trees.
-    parts.messages_on("/scene/policy").next().unwrap().data = Vec::new();
+    parts.messages_on("/values").next().unwrap().data = Vec::new();
     let rule = parts.messages_on("/rule").next().unwrap();
     rule.data = format!("{{\"values\":[{}0]}}", "0,".repeat(10 << 20)).into_bytes();
     let forged = Recording::from_bytes(name, parts.write(options())).unwrap();
@@ -174,10 +202,15 @@ fn forged() -> Recording {
     for key in ["world", "method", "arena", "sensor", "seed"] {
         parts.run.insert(key.to_owned(), EVIL.to_owned());
     }
-    let evil = serde_json::json!({ "episode": 1, "rule": EVIL, "action": EVIL, "outcome": EVIL });
-    for topic in ["/rule", "/episode"] {
+    for topic in ["/rule", "/step", "/episode"] {
         for message in parts.messages_on(topic) {
-            message.data = evil.to_string().into_bytes();
+            let mut fields = message.json().unwrap();
+            for field in fields.as_object_mut().unwrap().values_mut() {
+                if field.is_string() {
+                    *field = EVIL.into();
+                }
+            }
+            message.data = fields.to_string().into_bytes();
         }
     }
     let bytes = parts.write(mcap::WriteOptions::new());

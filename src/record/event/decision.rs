@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use strum::VariantArray;
 
 use crate::agent::DecisionSource;
 use crate::episode::Step;
@@ -80,6 +81,32 @@ impl Decision {
             choice,
         }
     }
+}
+
+impl Decision {
+    /// Returns the eight cells around the robot as it perceives them, clockwise from north; `None`
+    /// if the sensor does not perceive them.
+    pub fn perceived(&self, sensor: Sensor) -> Option<[Perceived; 8]> {
+        let bits = self.percept.as_bytes();
+        if !sensor.begins_with_neighbours() || bits.len() < 16 {
+            return None;
+        }
+        let kind = |at: usize| match (bits[2 * at], bits[2 * at + 1]) {
+            (b'1', _) => Perceived::Goal,
+            (_, b'1') => Perceived::Wall,
+            _ => Perceived::Free,
+        };
+        Some([0, 1, 2, 3, 4, 5, 6, 7].map(kind))
+    }
+}
+
+/// A cell as the robot perceives it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, VariantArray)]
+#[serde(rename_all = "kebab-case")]
+pub enum Perceived {
+    Free,
+    Wall,
+    Goal,
 }
 
 /// Returns the name of an action of a step.

@@ -6,14 +6,16 @@ mod contact;
 mod curve;
 mod decision;
 mod episode;
+mod learned;
 mod localisation;
 mod outcome;
 mod pose;
 
 pub use contact::Contact;
 pub use curve::Curve;
-pub use decision::Decision;
+pub use decision::{Decision, Perceived};
 pub use episode::{Begin, End, Outlook};
+pub use learned::Learned;
 pub use localisation::Localisation;
 pub use outcome::Outcome;
 pub use pose::Pose;

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::record::topics::{caption, size_m};
+use crate::record::topics::{caption, policy, size_m};
 use crate::world::Maze;
 
 const EPISODE: &str = include_str!("episode.json");
@@ -38,6 +38,11 @@ fn fitted(layout: &str, maze: &Maze) -> String {
         } else if id == "Plot!values" {
             panel["paths"] = with_each_action(&panel["paths"], maze);
         }
+    }
+    if policy::is_large(maze) {
+        let values = &mut layout["configById"]["3D!main"]["topics"]["/values"];
+        values["colorField"] = json!("nearness");
+        values["gradient"] = json!(["#e6ac0073", "#45106b73"]);
     }
     if maze.width().max(maze.height()) > FINE {
         layout["configById"]["3D!main"]["topics"]["/scene/policy"]["visible"] = json!(false);

@@ -1,16 +1,15 @@
 //! Selects the most instructive episodes of a run.
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
-use foxglove::messages::{Point3, SceneUpdate};
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::record::event::End;
-use crate::record::reader::{Message, Recording};
-use crate::record::topics::policy::ARROW_CORNERS;
+use crate::record::event::{End, Learned};
+use crate::record::reader::Recording;
 use crate::record::topics::{Topic, decoded};
+use crate::world::Maze;
 
 /// The number of episodes that are shown because they changed the policy most.
 const MAX_CHANGES: usize = 3;
@@ -56,13 +55,18 @@ struct Ended {
 ///
 /// # Errors
 /// If the recording is damaged.
-pub fn chapters(run: &Recording) -> Result<Vec<Chapter>, Error> {
+pub fn chapters(run: &Recording, maze: &Maze) -> Result<Vec<Chapter>, Error> {
     let mut ended = Vec::new();
-    let mut policy = Policy::default();
+    let (mut learned, mut changed) = (Learned::default(), 0);
     for message in run.messages() {
         let message = message?;
         match Topic::named(message.topic()) {
-            Some(Topic::Policy) => policy.see(run, &message)?,
+            Some(Topic::Values) => {
+                let grid = decoded(&message.data).and_then(|grid| Learned::of_grid(&grid, maze));
+                let now = grid.map_err(|fault| run.damaged(fault))?;
+                changed = now.changes_from(&learned);
+                learned = now;
+            }
             Some(Topic::Episode) => {
                 let end: End = run.fact(&message)?;
                 ended.push(Ended {
@@ -70,39 +74,13 @@ pub fn chapters(run: &Recording) -> Result<Vec<Chapter>, Error> {
                     goal: end.outcome == "goal",
                     optimal: end.optimal,
                     // An unchanged policy is not written again, so the count is reset here.
-                    changed: std::mem::take(&mut policy.changed),
+                    changed: std::mem::take(&mut changed),
                 });
             }
             _ => {}
         }
     }
     Ok(chosen(&ended))
-}
-
-/// The last drawn arrows, and the number of new ones.
-#[derive(Default)]
-struct Policy {
-    arrows: BTreeSet<[u64; 4]>,
-    changed: usize,
-}
-
-impl Policy {
-    fn see(&mut self, run: &Recording, message: &Message) -> Result<(), Error> {
-        let scene: SceneUpdate = decoded(&message.data).map_err(|fault| run.damaged(fault))?;
-        let lists = scene.entities.iter().flat_map(|entity| &entity.triangles);
-        let arrows = lists.flat_map(|list| list.points.chunks_exact(ARROW_CORNERS));
-        let arrows: BTreeSet<_> = arrows.map(corner_bits).collect();
-        let only_in = |a: &BTreeSet<_>, b| a.difference(b).count();
-        self.changed = only_in(&arrows, &self.arrows).max(only_in(&self.arrows, &arrows));
-        self.arrows = arrows;
-        Ok(())
-    }
-}
-
-/// Identifies an arrow's position and direction by its tip and its left corner.
-fn corner_bits(arrow: &[Point3]) -> [u64; 4] {
-    let (tip, left) = (arrow[0], arrow[1]);
-    [tip.x, tip.y, left.x, left.y].map(f64::to_bits)
 }
 
 fn chosen(ended: &[Ended]) -> Vec<Chapter> {

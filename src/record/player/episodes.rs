@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::data::Data;
 use crate::error::Error;
+use crate::record::event;
 use crate::record::reader::Recording;
 
 /// The maximum size of the recordings that a page is made of, in bytes: of one episode and of all.
@@ -23,7 +24,7 @@ const MOST_PACKED: u64 = 2_500_000;
 /// An episode in a page.
 #[derive(Debug, Serialize)]
 pub struct PackedEpisode {
-    pub episode: u64,
+    pub episode: u32,
     /// The data of the episode as JSON, compressed with zlib, in base64.
     data: String,
 }
@@ -89,7 +90,8 @@ fn pack(file: &Path) -> Result<Option<PackedEpisode>, Error> {
     let Some(episode) = data.first_episode() else {
         return Ok(None);
     };
-    let json = serde_json::to_vec(&data).expect("the data have text keys and finite numbers");
+    let mut json = Vec::new();
+    event::write_json(&mut json, &data);
     let mut packer = ZlibEncoder::new(Vec::new(), Compression::best());
     let packed = packer.write_all(&json).and_then(|()| packer.finish());
     Ok(Some(PackedEpisode {

@@ -1,13 +1,13 @@
 //! A recording as a single HTML page that plays it without network access or other files.
 //!
-//! A page contains the recording's messages as JSON (`data.rs`) and a script that draws them. The
+//! A page contains the recording's facts as JSON (`data.rs`) and a script that draws them. The
 //! page of a run also contains its episodes, packed (`episodes.rs`), and names the most instructive ones (`chapters.rs`). The script's functions that
-//! need no page are in `timeline.js` and `words.js`; Node tests them (`*.test.mjs`).
+//! need no page are in `timeline.mjs`, `words.mjs` and `colours.mjs`; Node tests them (`*.test.mjs`).
 
 mod chapters;
 mod data;
 mod episodes;
-mod shapes;
+mod world;
 
 use std::path::PathBuf;
 
@@ -15,20 +15,20 @@ use minijinja::{Environment, Value, context};
 
 use crate::error::Error;
 use crate::page::escaped;
+use crate::record::event;
 use crate::record::reader::Recording;
 use data::Data;
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = concat!(
-    include_str!("timeline.js"),
-    "\n",
-    include_str!("words.js"),
-    "\n",
-    include_str!("drawing.js"),
-    "\n",
-    include_str!("player.js")
-);
+/// The modules of the script, each after those that it imports.
+const MODULES: [&str; 5] = [
+    include_str!("timeline.mjs"),
+    include_str!("words.mjs"),
+    include_str!("colours.mjs"),
+    include_str!("drawing.mjs"),
+    include_str!("player.mjs"),
+];
 
 /// Returns a recording as an HTML page that plays it in a browser.
 ///
@@ -49,7 +49,7 @@ pub fn page_of_run(
     run: &Recording,
     episodes: &[PathBuf],
 ) -> Result<String, Error> {
-    let chapters = chapters::chapters(run)?;
+    let chapters = chapters::chapters(run, &data::maze(run)?)?;
     let mut data = Data::of(drive)?;
     data.set_run(chapters, episodes)?;
     Ok(page_of(&data))
@@ -57,12 +57,14 @@ pub fn page_of_run(
 
 /// Returns the page of one run.
 fn page_of(data: &Data) -> String {
-    let json = serde_json::to_string(data).expect("the data have text keys and finite numbers");
+    let mut json = Vec::new();
+    event::write_json(&mut json, data);
+    let json = String::from_utf8_lossy(&json);
     let values = context! {
         title => escaped(data.heading()),
         style => STYLE,
         data => inert(&json),
-        script => SCRIPT,
+        script => bundled(&MODULES),
     };
     filled(PAGE, values)
 }
@@ -72,6 +74,14 @@ fn filled(template: &str, values: Value) -> String {
     let page = Environment::new().render_str(template, values);
     // The newline at the end of a template is not part of it.
     page.expect("the templates beside this file are valid") + "\n"
+}
+
+/// Joins modules to one, which needs no other file: imports and exports are left out.
+fn bundled(modules: &[&str]) -> String {
+    let lines = modules.iter().flat_map(|module| module.lines());
+    let lines = lines.filter(|line| !line.starts_with("import "));
+    let lines = lines.map(|line| line.strip_prefix("export ").unwrap_or(line));
+    lines.flat_map(|line| [line, "\n"]).collect()
 }
 
 /// Escapes every `<`, so that the JSON cannot end the element that contains it.

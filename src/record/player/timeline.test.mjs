@@ -1,10 +1,9 @@
-// Tests of timeline.js: `node --test src/record/player`.
+// Tests of timeline.mjs: `node --test src/record/player`.
 import assert from "node:assert/strict";
-import { createRequire } from "node:module";
 import { test } from "node:test";
 import { deflateSync } from "node:zlib";
 
-const { lastAt, turn, posesFrom, poseAt, inGrid, decisionFrom, clock, inflated } = createRequire(import.meta.url)("./timeline.js");
+import { lastAt, turn, posesFrom, poseAt, inGrid, decisionFrom, clock, inflated } from "./timeline.mjs";
 const at = (...times) => times.map((t) => ({ t }));
 
 test("the last entry holds until the next one, and none before the first", () => {

@@ -1,9 +1,8 @@
-// Tests of words.js: `node --test src/record/player`.
+// Tests of words.mjs: `node --test src/record/player`.
 import assert from "node:assert/strict";
-import { createRequire } from "node:module";
 import { test } from "node:test";
 
-const { summary, because, terms, sureness } = createRequire(import.meta.url)("./words.js");
+import { summary, because, terms, sureness } from "./words.mjs";
 
 test("the summary compares the first episode with the last one, if there are several", () => {
   const curve = { episode: [1, 2], steps: [40, 10] };

@@ -7,7 +7,7 @@ use super::scene::{GRID, color, cube, entity, lines, place, point, size_m, updat
 use crate::world::{Cell, Maze};
 
 /// The colour of the floor.
-pub(super) const FLOOR: u32 = 0xeef1f5;
+const FLOOR: u32 = 0xeef1f5;
 const FLOOR_LINE: u32 = 0xc3cad6;
 const SLIPPERY: u32 = 0xcfe6f7;
 const WALL: u32 = 0x57657f;

@@ -20,11 +20,11 @@ pub(super) mod values;
 mod decoded;
 
 pub(super) use decoded::decoded;
-pub(super) use scene::{GRID, size_m};
+pub(super) use scene::size_m;
 
 use std::sync::LazyLock;
 
-use foxglove::messages::{FrameTransforms, LaserScan, Log, Odometry, SceneUpdate};
+use foxglove::messages::{FrameTransforms, Grid, LaserScan, Log, Odometry, SceneUpdate};
 use foxglove::{Encode, Schema};
 use strum::VariantArray;
 
@@ -47,7 +47,7 @@ pub enum Topic {
     Robot,
     /// `/scene/policy`: the best actions of each cell, as they are learned.
     Policy,
-    /// `/values`: the greatest value of each cell as the colour of the floor, as it is learned.
+    /// `/values`: the learned values and best actions of each cell, as a grid.
     Values,
     /// `/scene/trail`: the robot's trajectory in this episode, after each step.
     Trail,
@@ -96,6 +96,7 @@ enum Scope {
 #[derive(Clone, Copy)]
 enum Message {
     Frames,
+    Grid,
     Odometry,
     Scene,
     Scan,
@@ -119,7 +120,7 @@ impl Topic {
             Self::Maze => ("/scene/maze", Scope::Both, Message::Scene),
             Self::Robot => ("/scene/robot", Scope::Episode, Message::Scene),
             Self::Policy => ("/scene/policy", Scope::Both, Message::Scene),
-            Self::Values => ("/values", Scope::Both, Message::Scene),
+            Self::Values => ("/values", Scope::Both, Message::Grid),
             Self::Trail => ("/scene/trail", Scope::Both, Message::Scene),
             Self::Contact => (
                 "/contact",
@@ -217,6 +218,7 @@ impl Topic {
     fn defined(self) -> Schema {
         let well_known = match self.message() {
             Message::Frames => FrameTransforms::get_schema(),
+            Message::Grid => Grid::get_schema(),
             Message::Odometry => Odometry::get_schema(),
             Message::Scene => SceneUpdate::get_schema(),
             Message::Scan => LaserScan::get_schema(),

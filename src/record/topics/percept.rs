@@ -3,14 +3,13 @@
 
 use foxglove::messages::{LinePrimitive, Point3, SceneEntity, SceneUpdate};
 use nalgebra::Point2;
+use strum::VariantArray;
 
 use super::scene::{GRID, color, entity, indices_by_four, lines, place, square, update};
+use crate::record::event::{Decision, Perceived};
 use crate::sensor::Sensor;
 use crate::world::{Cell, Direction, Maze};
-use xcs::Percept;
 
-/// Colours of cells perceived as free, as a wall and as the goal.
-pub(in crate::record) const KINDS: [u32; 3] = [0x0a6fc2, 0xff8c1a, 0x22e06a];
 /// The distance of a frame from the middle of its cell, in cells (a fraction that takes few bytes),
 /// and its height above all walls.
 const HALF: f64 = 27.0 / 64.0;
@@ -18,24 +17,38 @@ const HEIGHT: f64 = 0.28;
 /// The thickness of its lines, in cells.
 const THICK: f64 = 0.045;
 
+/// Returns the colour of a perceived cell.
+pub(in crate::record) fn colour(kind: Perceived) -> u32 {
+    match kind {
+        Perceived::Free => 0x0a6fc2,
+        Perceived::Wall => 0xff8c1a,
+        Perceived::Goal => 0x22e06a,
+    }
+}
+
 /// Creates the frames around the robot's cell. The result is empty if the sensor does not perceive
 /// neighbouring cells.
 pub(in crate::record) fn perceived_cells(
     sensor: Sensor,
     maze: &Maze,
-    cell: Cell,
-    percept: &Percept,
+    decision: &Decision,
     time_ns: u64,
 ) -> SceneEntity {
     let mut perceived_cells = entity("percept", GRID, time_ns);
-    if sensor.begins_with_neighbours() {
-        let kinds = KINDS.iter().enumerate();
-        let frames = kinds.map(|(kind, &rgb)| (rgb, corners(maze, percept, kind)));
-        let shown = frames.filter(|(_, corners)| !corners.is_empty());
-        perceived_cells.lines = shown
-            .map(|(rgb, corners)| frames_of(maze, cell, rgb, corners))
-            .collect();
-    }
+    let Some(around) = decision.perceived(sensor) else {
+        return perceived_cells;
+    };
+    let cell = Cell {
+        col: decision.col,
+        row: decision.row,
+    };
+    let frames = Perceived::VARIANTS
+        .iter()
+        .map(|&kind| (kind, corners(maze, &around, kind)));
+    let shown = frames.filter(|(_, corners)| !corners.is_empty());
+    perceived_cells.lines = shown
+        .map(|(kind, corners)| frames_of(maze, cell, colour(kind), corners))
+        .collect();
     perceived_cells
 }
 
@@ -51,25 +64,16 @@ pub(in crate::record) fn scene(
 
 /// Returns the corners of the frames of all cells of a kind, four for each. They are relative to
 /// the robot's cell: they are the same for every position and compress well.
-fn corners(maze: &Maze, percept: &Percept, kind: usize) -> Vec<Point3> {
+fn corners(maze: &Maze, cells: &[Perceived; 8], kind: Perceived) -> Vec<Point3> {
     let unit = maze.cell_size_m();
-    let around = Direction::CLOCKWISE.iter().enumerate();
-    let of_kind = around.filter(|(number, _)| perceived(percept, *number) == kind);
-    let framed = of_kind.flat_map(|(_, direction)| {
+    let around = Direction::CLOCKWISE.iter().zip(cells);
+    let of_kind = around.filter(|(_, perceived)| **perceived == kind);
+    let framed = of_kind.flat_map(|(direction, _)| {
         let (east, south) = direction.offset();
         let middle = Point2::new(f64::from(east), f64::from(-south)) * unit;
         square(middle, HALF * unit)
     });
     framed.collect()
-}
-
-/// Decodes the bits of cell `number` as free, wall or goal, as an index into their colours.
-fn perceived(percept: &Percept, number: usize) -> usize {
-    match (percept.bit(2 * number), percept.bit(2 * number + 1)) {
-        (true, _) => 2,
-        (false, true) => 1,
-        (false, false) => 0,
-    }
 }
 
 /// Creates the frames with these corners around a cell.

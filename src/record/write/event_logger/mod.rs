@@ -9,9 +9,9 @@ use super::outbox::{For, Outbox};
 use super::trajectory::Trajectory;
 use crate::agent::Agent;
 use crate::arena::View;
-use crate::episode::{Episode, Learned, PolicyMap};
+use crate::episode::{self, Episode, PolicyMap};
 use crate::error::Error;
-use crate::record::event::{Begin, Contact, Curve, End, Outlook};
+use crate::record::event::{Begin, Contact, Curve, End, Learned, Outlook};
 use crate::record::info::{RobotShape, RunInfo, RunKind};
 use crate::record::topics::caption::Caption;
 use crate::record::topics::trail::Trail;
@@ -40,7 +40,7 @@ pub(super) struct EventLogger {
     judge: Judge,
     start: Option<Cell>,
     /// The learned policy so far.
-    policy: Option<PolicyMap>,
+    learned: Learned,
     shown: ShownIn,
     was_optimal: bool,
     /// The time of the last decision, which is the end of the last move.
@@ -59,9 +59,7 @@ pub(super) struct EventLogger {
 /// The learned state last shown in a file. Unchanged parts are not repeated.
 #[derive(Default)]
 struct Shown {
-    /// The marks that determine how the arrows look.
-    marks: Option<Vec<policy::Mark>>,
-    floor: Option<values::Floor>,
+    learned: Option<Learned>,
 }
 
 /// The last shown state in the episode's file and in the run's file.
@@ -97,7 +95,7 @@ impl EventLogger {
             curve: Curve::default(),
             judge: Judge::new(maze, info.sensor, info.slip),
             start: None,
-            policy: None,
+            learned: Learned::default(),
             shown: ShownIn::default(),
             was_optimal: false,
             decided_ns: 0,
@@ -116,7 +114,7 @@ impl EventLogger {
 
     /// Starts with a policy that was learned elsewhere.
     pub fn warm_start(&mut self, method: &dyn Agent, sensor: Sensor, maze: &Maze) {
-        self.policy = Some(PolicyMap::of(method, sensor, maze));
+        self.learned = Learned::of(&PolicyMap::of(method, sensor, maze), maze);
         self.was_optimal = self.judge.is_optimal(method, maze);
     }
 
@@ -182,13 +180,13 @@ impl EventLogger {
         &mut self,
         out: &mut Outbox,
         episode: &Episode,
-        learned: &Learned<'_>,
+        learned: &episode::Learned<'_>,
     ) -> Result<(), Error> {
         let maze = learned.view.maze;
         let time_ns = learned.view.now().time_ns;
         let policy = PolicyMap::of(learned.method, learned.sensor, maze);
         let outlook = self.outlook(&policy, learned);
-        self.policy = Some(policy);
+        self.learned = Learned::of(&policy, maze);
         let end = End::of(episode, &learned.method.knowledge(), &outlook);
         self.curve.push(&end);
         self.show_learned(out, For::Episode, maze, time_ns)?;
@@ -218,8 +216,8 @@ impl EventLogger {
     }
 
     /// Evaluates the policy.
-    fn outlook(&mut self, policy: &PolicyMap, learned: &Learned<'_>) -> Outlook {
-        let Learned { method, view, .. } = *learned;
+    fn outlook(&mut self, policy: &PolicyMap, learned: &episode::Learned<'_>) -> Outlook {
+        let episode::Learned { method, view, .. } = *learned;
         let (maze, judge) = (view.maze, &mut self.judge);
         let values = self.start.and_then(|cell| policy.values(cell).copied());
         let path = |cell| policy.greedy_path(maze, cell);
@@ -248,22 +246,17 @@ impl EventLogger {
         maze: &Maze,
         time_ns: u64,
     ) -> Result<(), Error> {
-        let (policy, shown) = (self.policy.as_ref(), self.shown.of(to));
-        if let Some(marks) = news(&mut shown.marks, policy::marks(policy, maze)) {
-            let scene = policy::scene(marks, maze, time_ns);
-            out.send(to, Topic::Policy, time_ns, &scene)?;
+        let (learned, shown) = (&self.learned, self.shown.of(to));
+        let last = shown.learned.replace(learned.clone());
+        if last.as_ref() == Some(learned) {
+            return Ok(());
         }
-        if let Some(floor) = news(&mut shown.floor, values::Floor::of(policy, maze)) {
-            let scene = values::scene(floor, maze, time_ns);
-            out.send(to, Topic::Values, time_ns, &scene)?;
+        let values = values::grid(learned, maze, time_ns);
+        out.send(to, Topic::Values, time_ns, &values)?;
+        if last.is_none_or(|last| policy::marks(&last) != policy::marks(learned)) {
+            let scene = policy::scene(learned, maze, time_ns);
+            out.send(to, Topic::Policy, time_ns, &scene)?;
         }
         Ok(())
     }
-}
-
-/// Stores what is shown now, and returns it if it differs from what was shown last.
-fn news<T: PartialEq>(last: &mut Option<T>, now: T) -> Option<&T> {
-    let is_new = last.as_ref() != Some(&now);
-    let now = last.insert(now);
-    is_new.then_some(now)
 }

@@ -6,7 +6,7 @@ use super::EventLogger;
 use crate::arena::{self, View};
 use crate::episode::{PolicyMap, Step};
 use crate::error::Error;
-use crate::record::event::{Contact, Decision, Localisation, Outcome, Pose};
+use crate::record::event::{Contact, Decision, Learned, Localisation, Outcome, Pose};
 use crate::record::topics::{
     Topic, estimate, log, odometry, percept, policy, rule, scan, transforms,
 };
@@ -29,8 +29,7 @@ impl EventLogger {
         let over_robot = rule::scene(&decision, step.view.maze, self.decided_ns);
         out.send(For::Episode, Topic::RuleText, self.decided_ns, &over_robot)?;
         let (maze, at_ns) = (step.view.maze, self.decided_ns);
-        self.perceived_cells =
-            percept::perceived_cells(self.sensor, maze, step.cell, &step.percept, at_ns);
+        self.perceived_cells = percept::perceived_cells(self.sensor, maze, &decision, at_ns);
         self.show_percept(out, at_ns)?;
         self.moved(out, step)?;
         out.send_json(For::Both, Topic::Step, end_ns, &Outcome::of(step))?;
@@ -71,9 +70,9 @@ impl EventLogger {
         }
         let maze = step.view.maze;
         let policy = PolicyMap::of(step.method, self.sensor, maze);
-        let marks = policy::marks(Some(&policy), maze);
-        self.policy = Some(policy);
-        match self.shown.episode.marks == Some(marks) {
+        self.learned = Learned::of(&policy, maze);
+        let shown = self.shown.episode.learned.as_ref().map(policy::marks);
+        match shown == Some(policy::marks(&self.learned)) {
             true => Ok(()),
             false => self.show_learned(out, For::Episode, maze, time_ns),
         }

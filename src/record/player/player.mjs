@@ -1,5 +1,7 @@
-"use strict";
-// Draws a recording from above, and shows what the robot decides and why. All text is set as text, never as HTML.
+// Plays a recording, and shows what the robot decides and why. All text is set as text, never as HTML.
+import { COLOURS, drawCurve, drawMaze, shareOfCurve } from "./drawing.mjs";
+import { clock, decisionFrom, inflated, lastAt, lastIndex, posesFrom } from "./timeline.mjs";
+import { because, source, summary, sureness, terms } from "./words.mjs";
 
 const byId = (id) => document.getElementById(id);
 const LAYERS = [
@@ -16,11 +18,9 @@ const state = { t: 0, playing: false, speed: 1, shown: new Set(["policy", "trail
 /** The recording of the page, and what is shown: the same, or one of the episodes that the page holds. */
 const recording = withPoses(JSON.parse(byId("data").textContent));
 let data = recording;
-[COLOURS.far, COLOURS.near, COLOURS.never] = data.arrow_colours;
+[COLOURS.far, , COLOURS.near] = data.arrow_colours;
+COLOURS.never = data.no_goal_colour;
 [COLOURS.free, COLOURS.blocked] = data.percept_colours;
-
-const { world } = data;
-const [width_m, height_m] = [world.width * world.cell_size_m, world.height * world.cell_size_m];
 
 function withPoses(data) {
   return { ...data, poses: posesFrom(data.poses, data.begins), estimated: posesFrom(data.estimated, data.begins) };
@@ -41,7 +41,7 @@ function isFinalDrive() {
 /** Returns the number of the episode that is shown, or null before the first and in the final drive. */
 function currentEpisode() {
   if (isFinalDrive()) return null;
-  return lastAt(data.episodes, state.t)?.episode ?? null;
+  return lastAt(data.begins, state.t)?.episode ?? null;
 }
 
 /** Returns what is shown. */
@@ -94,8 +94,9 @@ function setValues(decision) {
 function describe() {
   const decision = lastAt(data.decisions, state.t);
   const current = decision && decision.t >= episodeBegin() ? decision : null;
-  const estimate = lastAt(data.estimates, state.t);
-  const episode = lastAt(data.episodes, state.t);
+  const estimate = lastAt(data.localisations, state.t);
+  const [begun, ended] = [lastAt(data.begins, state.t), lastAt(data.ends, state.t)];
+  const episode = ended && ended.t >= begun?.t ? ended : begun;
   byId("caption").textContent = caption();
   byId("because").textContent = current ? because(current) : "";
   byId("why").textContent = current ? current.rule || `chosen by ${source(current.chosen_by)}` : "";
@@ -121,10 +122,16 @@ function describe() {
 
 // ---- playing
 
+/** Returns what is drawn now. */
+function view() {
+  return { data, t: state.t, shown: state.shown, begun: episodeBegin(), episode: currentEpisode() };
+}
+
 function show() {
-  drawMaze();
-  drawCurve();
+  drawMaze(byId("maze"), view());
+  drawCurve(byId("curve"), view());
   describe();
+  byId("maze").dataset.t = state.t;
 }
 
 function seek(t) {
@@ -223,7 +230,7 @@ function goToCurve(share) {
   const wanted = share * recording.curve.episode.at(-1);
   const nearest = (list) => list.reduce((best, one) => (Math.abs(one.episode - wanted) < Math.abs(best.episode - wanted) ? one : best));
   if (recording.packed_episodes.length) openEpisode(nearest(recording.packed_episodes).episode);
-  else seek(nearest(recording.episodes).t);
+  else seek(nearest(recording.begins).t);
 }
 
 // ---- controls
@@ -233,7 +240,7 @@ function begin() {
   if (typeof DecompressionStream === "undefined") recording.packed_episodes = [];
   byId("result").textContent = summary(data.curve, data.result);
   byId("curve-note").textContent = data.curve.episode.length ? "The red line marks the episode that is shown. Click to go to an episode." : "This recording has no learning curve.";
-  byId("sure-title").hidden = byId("sure").hidden = !data.estimates.length;
+  byId("sure-title").hidden = byId("sure").hidden = !data.localisations.length;
   listLegend();
   listLayers();
   listPlaces();
@@ -242,10 +249,15 @@ function begin() {
   seek(wanted ? Number(wanted[1]) : 0);
 }
 
+/** Returns whether the robot perceives the cells around it. */
+function perceives() {
+  return data.decisions.some((decision) => decision.perceived.length);
+}
+
 function listLegend() {
   const legend = [["far", "best action, far from the goal"], ["near", "near it (between: green)"], ["never", "not on a way to the goal"], ["start", "start"], ["goal", "goal"], ["robot", "robot; its arrow is its front, it also drives backward"], ["trail", "path of this episode"], ["hit", "collision"]];
-  if (data.scenes.percept.length) legend.push(["free", "perceived as free when it decided"], ["blocked", "perceived as a wall"]);
-  if (data.estimates.length) legend.push(["estimate", "estimated pose; dashed: 3 standard deviations, 10 times as large"]);
+  if (perceives()) legend.push(["free", "perceived as free when it decided"], ["blocked", "perceived as a wall"]);
+  if (data.localisations.length) legend.push(["estimate", "estimated pose; dashed: 3 standard deviations, 10 times as large"]);
   byId("legend").replaceChildren(
     ...legend.map(([colour, text]) => {
       const [item, mark] = [document.createElement("li"), document.createElement("i")];
@@ -258,13 +270,14 @@ function listLegend() {
 
 function listLayers() {
   for (const [name, text] of LAYERS) {
-    if (name in data.scenes ? !data.scenes[name].length : name === "estimate" && !data.estimates.length) continue;
+    const has = { values: data.learned.length, policy: data.learned.length, percept: perceives(), estimate: data.localisations.length };
+    if (name in has && !has[name]) continue;
     const [label, box] = [document.createElement("label"), document.createElement("input")];
     box.type = "checkbox";
     box.checked = state.shown.has(name);
     box.addEventListener("change", () => {
       state.shown[box.checked ? "add" : "delete"](name);
-      drawMaze();
+      drawMaze(byId("maze"), view());
     });
     label.append(box, ` ${text}`);
     byId("layers").append(label);

@@ -1,8 +1,7 @@
-"use strict";
 // What holds at a moment of a recording. Nothing here touches the page, so that it can be tested on its own.
 
 /** Returns the index of the last entry at or before a time, or -1. Entries are in order of `t`. */
-function lastIndex(entries, t) {
+export function lastIndex(entries, t) {
   let low = 0;
   let high = entries.length;
   while (low < high) {
@@ -14,18 +13,18 @@ function lastIndex(entries, t) {
 }
 
 /** Returns the last entry at or before a time, or null. */
-function lastAt(entries, t) {
+export function lastAt(entries, t) {
   return entries[lastIndex(entries, t)] ?? null;
 }
 
 /** Returns the difference of two angles in radians, from -π to π. */
-function turn(from, to) {
+export function turn(from, to) {
   const full = 2 * Math.PI;
   return ((((to - from + Math.PI) % full) + full) % full) - Math.PI;
 }
 
 /** Returns the pose {x, y, yaw} at a time, between the two recorded poses around it, or null without poses. */
-function poseAt(poses, t) {
+export function poseAt(poses, t) {
   const at = lastIndex(poses, t);
   if (at < 0) return poses[0] ?? null;
   const [before, after] = [poses[at], poses[at + 1]];
@@ -43,7 +42,7 @@ function poseAt(poses, t) {
  * Returns poses as objects, from lists of time, x, y and heading. The first one of an episode jumps: the robot is put
  * there, and does not glide.
  */
-function posesFrom(lists, begins) {
+export function posesFrom(lists, begins) {
   const poses = lists.map(([t, x, y, yaw]) => ({ t, x, y, yaw, jumps: false }));
   for (const { t } of begins) {
     const first = poses[lastIndex(poses, t - 1e-6) + 1];
@@ -53,14 +52,14 @@ function posesFrom(lists, begins) {
 }
 
 /** Returns a pose of the map's frame in the frame of the grid, whose origin has this pose in the map. */
-function inGrid(pose, [x, y, yaw]) {
+export function inGrid(pose, [x, y, yaw]) {
   const [dx, dy] = [pose.x - x, pose.y - y];
   const [cos, sin] = [Math.cos(yaw), Math.sin(yaw)];
   return { ...pose, x: cos * dx + sin * dy, y: cos * dy - sin * dx, yaw: pose.yaw - yaw };
 }
 
 /** Returns the time of the next decision after a time (or before it, if `by` is -1). */
-function decisionFrom(decisions, t, by) {
+export function decisionFrom(decisions, t, by) {
   const at = lastIndex(decisions, t);
   if (by > 0) return (decisions[at + 1] ?? decisions.at(-1))?.t ?? t;
   const before = decisions[at]?.t < t - 1e-6 ? at : at - 1;
@@ -68,18 +67,14 @@ function decisionFrom(decisions, t, by) {
 }
 
 /** Returns a time as minutes and seconds. */
-function clock(t) {
+export function clock(t) {
   const seconds = (t % 60).toFixed(1).padStart(4, "0");
   return `${Math.floor(t / 60)}:${seconds}`;
 }
 
 /** Returns the data in a packed text: JSON, compressed with zlib, in base64. */
-async function inflated(text) {
+export async function inflated(text) {
   const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   return JSON.parse(await new Response(stream).text());
-}
-
-if (typeof module !== "undefined") {
-  module.exports = { lastIndex, lastAt, turn, posesFrom, poseAt, inGrid, decisionFrom, clock, inflated };
 }

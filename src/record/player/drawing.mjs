@@ -1,7 +1,11 @@
-"use strict";
 // Draws a recording from above, and its learning curve.
+//
+// A view is what is drawn: the data of an episode (`data`), a time in seconds (`t`), the names of the
+// layers that are shown (`shown`), when the episode began (`begun`), and its number (`episode`).
+import { arrowColour, floorColour } from "./colours.mjs";
+import { inGrid, lastAt, lastIndex, poseAt } from "./timeline.mjs";
 
-const COLOURS = { wall: "#57657f", floor: "#eef1f5", line: "#c3cad6", start: "#f4b740", goal: "#35c46a", robot: "#f58220", trail: "#1d2430", outline: "#1d2430", estimate: "#2f9ce0", hit: "#e0322f" };
+export const COLOURS = { wall: "#57657f", floor: "#eef1f5", line: "#c3cad6", start: "#f4b740", goal: "#35c46a", robot: "#f58220", trail: "#1d2430", outline: "#1d2430", estimate: "#2f9ce0", hit: "#e0322f" };
 
 /** Prepares a canvas for the sharpness of the screen, and returns its context and size. */
 function prepared(canvas, aspect) {
@@ -16,36 +20,61 @@ function prepared(canvas, aspect) {
   return [context, wide, high];
 }
 
-/** Draws shapes of a scene, in metres of the grid's frame. Triangles can have an outline, which is visible on any ground. */
-function drawShapes(context, shapes, pixel, isOutlined) {
-  for (const { kind, colour, width, points } of shapes) {
-    context.fillStyle = context.strokeStyle = colour;
-    context.beginPath();
-    if (kind === "triangles") {
-      for (let at = 0; at + 5 < points.length; at += 6) {
-        context.moveTo(points[at], points[at + 1]);
-        context.lineTo(points[at + 2], points[at + 3]);
-        context.lineTo(points[at + 4], points[at + 5]);
-      }
-      if (isOutlined) {
-        context.strokeStyle = COLOURS.outline;
-        context.lineWidth = 2 * pixel;
-        context.stroke();
-      }
-      context.fill();
-    } else {
-      for (let at = 0; at + 3 < points.length; at += 4) {
-        context.moveTo(points[at], points[at + 1]);
-        context.lineTo(points[at + 2], points[at + 3]);
-      }
-      context.lineWidth = Math.max(width, 1.2 * pixel);
-      context.stroke();
-    }
+/** Calls `draw` with each cell of the maze, its number, and its middle in metres of the grid's frame. */
+function forEachCell({ width, height, cell_size_m }, draw) {
+  for (let cell = 0; cell < width * height; cell++) {
+    const [col, row] = [cell % width, Math.floor(cell / width)];
+    draw(cell, (col + 0.5) * cell_size_m, (height - row - 0.5) * cell_size_m);
   }
 }
 
-function drawWorld(context, pixel) {
+/** Draws the ranks of the cells as the colour of the floor. */
+function drawRanks(context, { world }, { rank }) {
   const unit = world.cell_size_m;
+  forEachCell(world, (cell, x, y) => {
+    if (!rank[cell]) return;
+    context.fillStyle = floorColour(COLOURS.floor, rank[cell]);
+    context.fillRect(x - unit / 2, y - unit / 2, unit, unit);
+  });
+}
+
+/** Draws an arrow for each best action of each cell, with an outline, which is visible on any ground. */
+function drawPolicy(context, data, { best, nearness }, pixel) {
+  const { world } = data;
+  const unit = world.cell_size_m / 32;
+  context.strokeStyle = COLOURS.outline;
+  context.lineWidth = 2 * pixel;
+  forEachCell(world, (cell, x, y) => {
+    context.fillStyle = arrowColour(data, nearness[cell]);
+    world.moves.forEach(([east, north], action) => {
+      if (!((best[cell] >> action) & 1)) return;
+      const length = Math.hypot(east, north);
+      const [dx, dy] = [(east / length) * unit, (north / length) * unit];
+      context.beginPath();
+      for (const [ahead, left] of [[15, 0], [4, 6], [7, 0], [4, -6]]) {
+        context.lineTo(x + ahead * dx - left * dy, y + ahead * dy + left * dx);
+      }
+      context.closePath();
+      context.stroke();
+      context.fill();
+    });
+  });
+}
+
+/** Draws a frame around each cell that the robot perceived when it decided. */
+function drawPercept(context, { world, percept_colours }, { cell_m: [x, y], perceived }, pixel) {
+  const unit = world.cell_size_m;
+  context.lineWidth = Math.max(0.045 * unit, 1.2 * pixel);
+  perceived.forEach((kind, at) => {
+    const [east, north] = world.around[at];
+    context.strokeStyle = percept_colours[kind];
+    context.strokeRect(x + (east - 0.42) * unit, y + (north - 0.42) * unit, 0.84 * unit, 0.84 * unit);
+  });
+}
+
+function drawWorld(context, world, pixel) {
+  const unit = world.cell_size_m;
+  const [width_m, height_m] = size_m(world);
   context.fillStyle = COLOURS.floor;
   context.fillRect(0, 0, width_m, height_m);
   world.rows.forEach((row, number) => {
@@ -74,12 +103,13 @@ function drawWorld(context, pixel) {
 }
 
 /** Draws the path since the episode began, and where the robot hit a wall. */
-function drawTrail(context, begun, pixel) {
+function drawTrail(context, { data, t, begun }, pixel) {
+  const { world } = data;
   context.strokeStyle = COLOURS.trail;
   context.lineWidth = Math.max(0.05 * world.cell_size_m, 1.5 * pixel);
   context.beginPath();
   let pen = false;
-  for (let at = Math.max(lastIndex(data.poses, begun), 0); at < data.poses.length && data.poses[at].t <= state.t; at++) {
+  for (let at = Math.max(lastIndex(data.poses, begun), 0); at < data.poses.length && data.poses[at].t <= t; at++) {
     const pose = inGrid(data.poses[at], world.origin);
     if (pen && !pose.jumps) context.lineTo(pose.x, pose.y);
     else context.moveTo(pose.x, pose.y);
@@ -88,7 +118,7 @@ function drawTrail(context, begun, pixel) {
   context.stroke();
   context.fillStyle = COLOURS.hit;
   for (const hit of data.contacts) {
-    if (hit.t < begun || hit.t > state.t) continue;
+    if (hit.t < begun || hit.t > t) continue;
     const at = inGrid({ x: hit.x_m, y: hit.y_m, yaw: 0 }, world.origin);
     context.beginPath();
     context.arc(at.x, at.y, 0.12 * world.cell_size_m, 0, 7);
@@ -97,8 +127,9 @@ function drawTrail(context, begun, pixel) {
 }
 
 /** Draws the estimated pose with its uncertainty, ten times as large as it is. */
-function drawEstimate(context, pixel) {
-  const pose = poseAt(data.estimated, state.t);
+function drawEstimate(context, { data, t }, pixel) {
+  const { world } = data;
+  const pose = poseAt(data.estimated, t);
   if (!pose) return;
   const at = inGrid(pose, world.origin);
   context.strokeStyle = COLOURS.estimate;
@@ -106,7 +137,7 @@ function drawEstimate(context, pixel) {
   context.beginPath();
   context.arc(at.x, at.y, 1.2 * data.robot_radius_m, 0, 7);
   context.stroke();
-  const estimate = lastAt(data.estimates, state.t);
+  const estimate = lastAt(data.localisations, t);
   if (!estimate) return;
   context.setLineDash([4 * pixel, 3 * pixel]);
   context.beginPath();
@@ -115,10 +146,10 @@ function drawEstimate(context, pixel) {
   context.setLineDash([]);
 }
 
-function drawRobot(context) {
-  const pose = poseAt(data.poses, state.t);
+function drawRobot(context, { data, t }) {
+  const pose = poseAt(data.poses, t);
   if (!pose) return;
-  const { x, y, yaw } = inGrid(pose, world.origin);
+  const { x, y, yaw } = inGrid(pose, data.world.origin);
   const radius = data.robot_radius_m;
   context.fillStyle = COLOURS.robot;
   context.beginPath();
@@ -133,19 +164,27 @@ function drawRobot(context) {
   context.fill();
 }
 
-function drawMaze() {
-  const [context, wide, high] = prepared(byId("maze"), width_m / height_m);
+/** Returns width and height of a maze in metres. */
+function size_m({ width, height, cell_size_m }) {
+  return [width * cell_size_m, height * cell_size_m];
+}
+
+/** Draws a view from above. */
+export function drawMaze(canvas, view) {
+  const { data, t, shown } = view;
+  const [width_m, height_m] = size_m(data.world);
+  const [context, wide, high] = prepared(canvas, width_m / height_m);
   const scale = wide / width_m;
   const pixel = 1 / scale;
   context.transform(scale, 0, 0, -scale, 0, high);
-  const layer = (name) => state.shown.has(name) && drawShapes(context, lastAt(data.scenes[name], state.t)?.shapes ?? [], pixel, name === "policy");
-  drawWorld(context, pixel);
-  layer("values");
-  layer("policy");
-  if (state.shown.has("trail")) drawTrail(context, episodeBegin(), pixel);
-  layer("percept");
-  drawRobot(context);
-  if (state.shown.has("estimate")) drawEstimate(context, pixel);
+  drawWorld(context, data.world, pixel);
+  const [learned, decision] = [lastAt(data.learned, t), lastAt(data.decisions, t)];
+  if (learned && shown.has("values")) drawRanks(context, data, learned);
+  if (learned && shown.has("policy")) drawPolicy(context, data, learned, pixel);
+  if (shown.has("trail")) drawTrail(context, view, pixel);
+  if (decision && shown.has("percept")) drawPercept(context, data, decision, pixel);
+  drawRobot(context, view);
+  if (shown.has("estimate")) drawEstimate(context, view, pixel);
 }
 
 /** Returns the text size of the learning curve, and the frame around the curve, in pixels. */
@@ -155,14 +194,14 @@ function curveFrame(canvas) {
 }
 
 /** Returns which share of the learning curve is left of a point, from 0 to 1. */
-function shareOfCurve(canvas, x) {
+export function shareOfCurve(canvas, x) {
   const { left, right } = curveFrame(canvas);
   return Math.min(Math.max((x - left) / (right - left), 0), 1);
 }
 
-function drawCurve() {
-  const { episode, steps } = data.curve;
-  const canvas = byId("curve");
+/** Draws the steps of each episode, and a mark at the episode of a view. */
+export function drawCurve(canvas, view) {
+  const { episode, steps } = view.data.curve;
   canvas.hidden = !episode.length;
   if (!episode.length) return;
   const [context] = prepared(canvas);
@@ -186,7 +225,7 @@ function drawCurve() {
   context.beginPath();
   episode.forEach((number, at) => context.lineTo(x(number), y(steps[at])));
   context.stroke();
-  const now = currentEpisode();
+  const now = view.episode;
   if (now === null) return;
   context.strokeStyle = COLOURS.hit;
   context.lineWidth = 2;
