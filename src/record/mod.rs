@@ -1,8 +1,9 @@
 //! Recordings: MCAP files that Foxglove and its open fork Lichtblick replay.
 //!
 //! A [`Recorder`] observes episodes. It writes one file per episode, and `run.mcap` for the whole
-//! run. All times in a file are simulation times; a recording contains no real date. The same run
-//! produces the same bytes, so a recording can be verified by repeating the run.
+//! run. Every run begins at [`EPOCH_NS`], and its episodes share one time axis; a recording contains no
+//! real date. The same run produces the same bytes, so a recording can be verified by repeating the
+//! run.
 
 pub(crate) mod error;
 mod event;
@@ -25,3 +26,7 @@ pub use serve::server;
 pub use topics::Topic;
 pub use write::{RecordSummary, Recorder};
 pub(crate) use write::{is_ours, rolled};
+
+/// The time at which every run begins in its recordings, in nanoseconds since 1970: 1 January 2000, 0:00
+/// UTC. Times in the library are those since the beginning of the run.
+pub const EPOCH_NS: u64 = 946_684_800_000_000_000;

@@ -6,6 +6,7 @@ use std::io::Cursor;
 use crate::kit::messages::messages;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, WriteOptions};
+use xcscr::record::EPOCH_NS;
 use xcscr::record::reader::{Message, Recording, TopicInfo};
 
 /// What a copy of a recording is made of.
@@ -71,8 +72,8 @@ impl Parts {
             let header = MessageHeader {
                 channel_id: channels[message.topic()],
                 sequence: 0,
-                log_time: message.time_ns,
-                publish_time: message.time_ns,
+                log_time: EPOCH_NS.saturating_add(message.time_ns),
+                publish_time: EPOCH_NS.saturating_add(message.time_ns),
             };
             writer
                 .write_to_known_channel(&header, &message.data)

@@ -13,6 +13,7 @@ use serde::Serialize;
 use super::records::{self, Records};
 use crate::disk;
 use crate::error::{Error, ErrorKind};
+use crate::record::EPOCH_NS;
 use crate::record::error;
 use crate::record::info::{KIND, RecordingKind, RunKind};
 use crate::record::resume_hint::way_to_resume;
@@ -60,7 +61,7 @@ pub struct TopicInfo {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
     channel: Arc<mcap::Channel<'static>>,
-    /// The log time, in nanoseconds of simulation time.
+    /// The log time, in nanoseconds since the beginning of the run.
     pub time_ns: u64,
     /// The encoded message.
     pub data: Vec<u8>,
@@ -240,7 +241,7 @@ impl Recording {
             let message = message.map_err(error::damaged(&self.path))?;
             Ok(Message {
                 channel: message.channel,
-                time_ns: message.log_time,
+                time_ns: message.log_time.saturating_sub(EPOCH_NS),
                 data: message.data.into_owned(),
             })
         })

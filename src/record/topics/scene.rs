@@ -7,6 +7,7 @@ use foxglove::messages::{
 use nalgebra::{Point2, UnitComplex, Vector2};
 
 use super::rounded;
+use crate::record::EPOCH_NS;
 use crate::world::Maze;
 
 /// The grid frame, in which all static objects are drawn: origin in the south-western corner, x
@@ -26,9 +27,10 @@ pub(in crate::record) fn size_m(maze: &Maze) -> [f64; 2] {
     [maze.width(), maze.height()].map(|cells| f64::from(cells) * maze.cell_size_m())
 }
 
-/// Converts a time of the simulation clock.
+/// Converts a time of the simulation clock to a time of day.
 pub(in crate::record) fn timestamp(time_ns: u64) -> Timestamp {
     const SECOND: u64 = 1_000_000_000;
+    let time_ns = EPOCH_NS.saturating_add(time_ns);
     let sec = u32::try_from(time_ns / SECOND).unwrap_or(u32::MAX);
     Timestamp::new(sec, (time_ns % SECOND) as u32)
 }
@@ -221,6 +223,7 @@ mod tests {
 
     #[test]
     fn a_timestamp_counts_seconds_and_nanoseconds() {
-        assert_eq!(timestamp(1_500_000_000), Timestamp::new(1, 500_000_000));
+        let in_2000 = Timestamp::new(946_684_801, 500_000_000);
+        assert_eq!(timestamp(1_500_000_000), in_2000);
     }
 }

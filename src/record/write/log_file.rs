@@ -12,6 +12,7 @@ use super::sink::{self, Sink};
 use super::target::Target;
 use crate::disk;
 use crate::error::Error;
+use crate::record::EPOCH_NS;
 use crate::record::error;
 use crate::record::info::{RecordingKind, RunInfo};
 use crate::record::mode::RecordMode;
@@ -76,8 +77,8 @@ impl<W: Write> LogFile<W> {
         let header = MessageHeader {
             channel_id,
             sequence: 0,
-            log_time: time_ns,
-            publish_time: time_ns,
+            log_time: EPOCH_NS + time_ns,
+            publish_time: EPOCH_NS + time_ns,
         };
         self.writer.write_to_known_channel(&header, encoded)
     }
@@ -85,8 +86,8 @@ impl<W: Write> LogFile<W> {
     /// Attaches a JSON text.
     pub fn attach(&mut self, name: &str, time_ns: u64, text: &str) -> McapResult<()> {
         self.writer.attach(&Attachment {
-            log_time: time_ns,
-            create_time: time_ns,
+            log_time: EPOCH_NS + time_ns,
+            create_time: EPOCH_NS + time_ns,
             name: name.to_owned(),
             media_type: "application/json".to_owned(),
             data: text.as_bytes().into(),
