@@ -1,4 +1,4 @@
-//! The facts of an episode, one type per fact. Each is written once, as JSON on a topic of its own.
+//! The facts of an episode, one type per fact. Each is written on a topic of its own.
 //!
 //! Drawings are made from these facts (`topics`), and readers of a recording read these facts.
 
@@ -24,6 +24,7 @@ use std::borrow::Cow;
 use std::io;
 
 use foxglove::Schema;
+use foxglove::messages::{LaserScan, Log};
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use schemars::transform::{RecursiveTransform, Transform};
@@ -31,6 +32,33 @@ use serde::Serialize;
 use serde_json::ser::{CompactFormatter, Formatter, Serializer};
 
 use super::topics::decimal;
+
+/// A fact.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Event {
+    /// An episode begins.
+    Begin(Begin),
+    /// The robot chooses an action.
+    Decision(Decision),
+    /// The outcome of the action is known.
+    Outcome(Outcome),
+    /// The robot is somewhere.
+    Pose(Pose),
+    /// The error of the estimated pose is known.
+    Localisation(Localisation),
+    /// The lidar measured.
+    Scan(LaserScan),
+    /// The robot hits a wall, or leaves it.
+    Contact(Contact),
+    /// The policy changed.
+    Learned(Learned),
+    /// The learning curve so far.
+    Curve(Curve),
+    /// An episode ends.
+    End(End),
+    /// Something is worth a line of text.
+    Log(Log),
+}
 
 /// Writes a fact as JSON, with numbers rounded to three decimals.
 pub fn write_json(to: &mut Vec<u8>, fact: &impl Serialize) {

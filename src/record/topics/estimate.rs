@@ -5,7 +5,7 @@ use nalgebra::{Complex, Matrix3, UnitComplex};
 
 use super::scene::{ESTIMATE, color, cylinder, entity, heading, place, turned, vector};
 use super::to_parts;
-use crate::arena::{Estimate, Sensed};
+use crate::arena::Estimate;
 
 pub(super) const MARKER: u32 = 0x2f9ce0;
 /// The ellipse contains the true position in 99 of 100 samples, if the covariance is consistent.
@@ -24,13 +24,12 @@ const ABOVE: f64 = 1.1;
 /// Creates an ellipse around the estimated position, ten times enlarged, and a marker of the
 /// estimated pose.
 pub(in crate::record) fn entities(
-    sensed: &Sensed<'_>,
+    estimate: &Estimate,
     radius_m: f64,
     time_ns: u64,
 ) -> [SceneEntity; 2] {
     let mut ellipse = entity("ellipse", ESTIMATE, time_ns);
-    let last = sensed.estimates.last().into_iter();
-    ellipse.cylinders = last.map(|last| around(last, radius_m)).collect();
+    ellipse.cylinders = vec![around(estimate, radius_m)];
     let mut estimated_pose = entity("estimated_pose", ESTIMATE, time_ns);
     let size = vector(2.0 * RIM * radius_m, 2.0 * RIM * radius_m, FLAT_M);
     estimated_pose.cylinders = vec![cylinder(

@@ -55,11 +55,9 @@ pub(in crate::record) fn perceived_cells(
 /// Creates the scene of the perceived cells and the estimated pose.
 pub(in crate::record) fn scene(
     perceived_cells: SceneEntity,
-    belief: &[SceneEntity],
+    estimate: Vec<SceneEntity>,
 ) -> SceneUpdate {
-    let mut entities = vec![perceived_cells];
-    entities.extend_from_slice(belief);
-    update(entities)
+    update([vec![perceived_cells], estimate].concat())
 }
 
 /// Returns the corners of the frames of all cells of a kind, four for each. They are relative to

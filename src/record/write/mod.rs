@@ -1,14 +1,17 @@
 //! Writing of recordings while episodes run.
+//!
+//! ```text
+//! Observer ─▶ Recorder ─▶ Facts ─▶ events ─▶ Stream (facts and scenes) ─▶ File (MCAP)
+//! ```
 
-pub(super) mod log_file;
-pub(super) mod outbox;
-mod recorder;
-pub(super) mod event_logger;
-pub(super) mod sink;
-mod target;
+mod facts;
+mod file;
 mod odometry;
+mod recorder;
+mod stream;
+mod target;
 mod trajectory;
 
+pub use file::is_ours;
 pub(crate) use odometry::rolled;
 pub use recorder::{RecordSummary, Recorder};
-pub use sink::is_ours;

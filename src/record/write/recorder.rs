@@ -1,15 +1,13 @@
 //! Creates, keeps and deletes the files of a recording.
 
 use std::fs;
-use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use mcap::McapResult;
-
-use super::event_logger::EventLogger;
-use super::log_file::{Facts, LogFile, OpenFile};
-use super::outbox::Outbox;
+use super::facts::{Facts, Timed};
+use super::file::File;
+use super::stream::{Scenery, Stream};
 use crate::agent::Agent;
 use crate::arena::View;
 use crate::disk;
@@ -40,8 +38,10 @@ pub struct Recorder {
     world: String,
     /// The layouts of episode recordings and of the run's recording.
     layouts: [String; 2],
-    event_logger: EventLogger,
-    outbox: Outbox,
+    facts: Facts,
+    scenery: Arc<Scenery>,
+    run: Option<Stream>,
+    episode: Option<Stream>,
     mode: RecordMode,
     /// True if complete files of episodes are compared and not replaced.
     repeats: bool,
@@ -96,7 +96,7 @@ impl Recorder {
     fn begun(mut self) -> Result<Self, Error> {
         if self.mode != RecordMode::None {
             self.lay_out()?;
-            self.outbox.run = Some(self.open_run()?);
+            self.run = Some(self.open_run()?);
         }
         Ok(self)
     }
@@ -106,9 +106,11 @@ impl Recorder {
             folder: folder.to_owned(),
             world: maze.name().to_owned(),
             layouts: [layout::of_episode(maze), layout::of_run(maze)],
-            event_logger: EventLogger::new(maze, &info, mode == RecordMode::Beams),
+            facts: Facts::new(maze, &info, mode == RecordMode::Beams),
+            scenery: Arc::new(Scenery::new(maze, &info)),
             info,
-            outbox: Outbox::default(),
+            run: None,
+            episode: None,
             mode,
             repeats: false,
             kept: Vec::new(),
@@ -120,7 +122,7 @@ impl Recorder {
 
     /// Shows a policy that was learned elsewhere from the start.
     pub fn warm_start(&mut self, method: &dyn Agent, maze: &Maze) {
-        self.event_logger.warm_start(method, self.info.sensor, maze);
+        self.facts.warm_start(method, maze);
     }
 
     /// Returns the recording mode.
@@ -156,23 +158,18 @@ impl Recorder {
         let mut files: Vec<_> = kept
             .map(|&(episode, bytes)| (self.path(RecordingKind::Episode(episode)), bytes))
             .collect();
-        if let Some(mut run) = self.outbox.run.take() {
-            run.with(|log| self.attach_results(log, &rules_json(method)))?;
+        if let Some(run) = self.run.take() {
+            let mut run = run.into_file();
+            run.attach("rules.json", self.clock_ns, &rules_json(method))?;
+            if let Some((name, text)) = &self.attached {
+                run.attach(name, self.clock_ns, text)?;
+            }
             files.push(run.finish()?);
         }
         Ok(RecordSummary {
             bytes: files.iter().map(|(_, bytes)| bytes).sum(),
             files: files.into_iter().map(|(path, _)| path).collect(),
         })
-    }
-
-    /// Attaches the final rules, and the additional text.
-    fn attach_results<W: Write>(&self, log: &mut LogFile<W>, rules: &str) -> McapResult<()> {
-        log.attach("rules.json", self.clock_ns, rules)?;
-        match &self.attached {
-            Some((name, text)) => log.attach(name, self.clock_ns, text),
-            None => Ok(()),
-        }
     }
 
     fn path(&self, kind: RecordingKind) -> PathBuf {
@@ -190,62 +187,77 @@ impl Recorder {
         Ok(())
     }
 
-    fn open_run(&self) -> Result<OpenFile, Error> {
-        let file = OpenFile::create(self.path(RecordingKind::Run))?;
-        self.introduce(file, RecordingKind::Run, &Topic::of_run())
+    fn open_run(&self) -> Result<Stream, Error> {
+        let kind = RecordingKind::Run;
+        let file = File::create(self.path(kind))?;
+        self.introduce(file, kind, &Topic::of_run())
     }
 
-    fn open_episode(&self, kind: RecordingKind) -> Result<OpenFile, Error> {
+    fn open_episode(&self, episode: u32, view: &View<'_>) -> Result<Stream, Error> {
+        let kind = RecordingKind::Episode(episode);
         let path = self.path(kind);
-        match self.repeats && path.is_file() {
-            true => OpenFile::complete(path),
-            false => OpenFile::create(path),
-        }
+        let file = match self.repeats && path.is_file() {
+            true => File::complete(path),
+            false => File::create(path),
+        };
+        let beams = self.mode == RecordMode::Beams;
+        self.introduce(
+            file?,
+            kind,
+            &Topic::of_episode(view.sensed.is_some(), beams),
+        )
     }
 
     /// Begins a file with the facts of the run and its topics.
     fn introduce(
         &self,
-        mut file: OpenFile,
+        mut file: File,
         kind: RecordingKind,
         topics: &[Topic],
-    ) -> Result<OpenFile, Error> {
-        let facts = Facts {
-            info: &self.info,
-            world: &self.world,
-            mode: self.mode,
-            kind,
-        };
-        file.with(|log| {
-            log.facts(&facts, self.clock_ns)?;
-            if kind == RecordingKind::Run {
-                let [_, layout] = &self.layouts;
-                log.attach("foxglove-layout.json", self.clock_ns, layout)?;
-            }
-            log.declare(topics)
-        })?;
-        Ok(file)
+    ) -> Result<Stream, Error> {
+        let (info, time_ns) = (&self.info, self.clock_ns);
+        file.metadata("run", info.metadata(&self.world, self.mode, kind))?;
+        file.attach("world.json", time_ns, &info.world_json)?;
+        file.attach("config.json", time_ns, &info.config_json)?;
+        if kind == RecordingKind::Run {
+            let [_, layout] = &self.layouts;
+            file.attach("foxglove-layout.json", time_ns, layout)?;
+        }
+        file.declare(topics)?;
+        Ok(Stream::new(file, kind, Arc::clone(&self.scenery)))
     }
 
     fn begin(&mut self, episode: u32, view: &View<'_>) -> Result<(), Error> {
         self.clock_ns = view.now().time_ns;
         if self.mode.wants(episode) {
-            let kind = RecordingKind::Episode(episode);
-            let beams = self.mode == RecordMode::Beams;
-            let file = self.open_episode(kind)?;
-            let topics = Topic::of_episode(view.sensed.is_some(), beams);
-            self.outbox.episode = Some(self.introduce(file, kind, &topics)?);
+            self.episode = Some(self.open_episode(episode, view)?);
         }
-        self.event_logger.began(&mut self.outbox, episode, view)
+        let events = self.facts.began(episode, view);
+        self.write(&events)
+    }
+
+    fn step(&mut self, step: &Step<'_>) -> Result<(), Error> {
+        let events = self.facts.stepped(step, self.episode.is_some());
+        self.write(&events)
     }
 
     fn end(&mut self, episode: &Episode, learned: &Learned<'_>) -> Result<(), Error> {
         self.clock_ns = learned.view.now().time_ns;
-        self.event_logger
-            .ended(&mut self.outbox, episode, learned)?;
-        if let Some(file) = self.outbox.episode.take() {
-            let (_, bytes) = file.finish()?;
+        let events = self.facts.ended(episode, learned);
+        self.write(&events)?;
+        if let Some(stream) = self.episode.take() {
+            let (_, bytes) = stream.into_file().finish()?;
             self.kept.push((episode.episode, bytes));
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, events: &[Timed]) -> Result<(), Error> {
+        let streams = [&mut self.episode, &mut self.run].into_iter().flatten();
+        for stream in streams {
+            for (time_ns, event) in events {
+                stream.write(*time_ns, event)?;
+            }
         }
         Ok(())
     }
@@ -264,7 +276,7 @@ impl Observer for Recorder {
     }
 
     fn stepped(&mut self, step: &Step<'_>) {
-        self.attempt(|recorder| recorder.event_logger.stepped(&mut recorder.outbox, step));
+        self.attempt(|recorder| recorder.step(step));
     }
 
     fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
