@@ -55,6 +55,12 @@ def steps_interval(arm):
     return f"{arm['iqm_env_steps_low']:.0f} to {arm['iqm_env_steps_high']:.0f}"
 
 
+def shown(arm):
+    """The median number of the fewest rules of retained trials; a dash without rules or such trials."""
+    median = arm["median_compacted_rules"]
+    return "–" if median is None else f"{median:g}"
+
+
 def or_dash(value):
     return "–" if value is None else value
 
@@ -71,23 +77,23 @@ def paper():
 
 
 def defaults():
-    head = ["method", "maze", "solved", "95 % interval", "retained at the end", "median first optimal episode", "steps until solved", "95 % interval", "rules"]
+    head = ["method", "maze", "solved", "95 % interval", "retained at the end", "median first optimal episode", "steps until solved", "95 % interval", "rules", "rules shown"]
     rows = []
     for name, own in [("defaults", None), ("r-max-bare", "`r-max` without generalisation")]:
         for arm in sorted(arms(name), key=lambda arm: arm["world"]):
             label = own or f"`{arm['method']}`"
-            rows.append([label, MAZES[arm["world"]], arm["successes"], interval(arm), arm["retained"], or_dash(arm["median_episode"]), f"{arm['iqm_env_steps']:.0f}", steps_interval(arm), f"{arm['mean_rules']:.0f}"])
+            rows.append([label, MAZES[arm["world"]], arm["successes"], interval(arm), arm["retained"], or_dash(arm["median_episode"]), f"{arm['iqm_env_steps']:.0f}", steps_interval(arm), f"{arm['mean_rules']:.0f}", shown(arm)])
     order = list(dict.fromkeys(row[0] for row in rows))
     return table(head, sorted(rows, key=lambda row: order.index(row[0])))
 
 
-def repairs():
-    head = ["switched off", "maze", "solved", "steps until solved", "95 % interval"]
+def parts():
+    head = ["left out", "maze", "solved", "retained at the end", "steps until solved", "95 % interval", "collisions", "rules shown"]
     rows = []
-    for arm in arms("repairs"):
+    for arm in sorted(arms("parts"), key=lambda arm: arm["world"]):
         part = arm["variant"].removeprefix("without=")
         part = part if part == "nothing" else f"`{part}`"
-        rows.append([part, MAZES[arm["world"]], arm["successes"], f"{arm['iqm_env_steps']:.0f}", steps_interval(arm)])
+        rows.append([part, MAZES[arm["world"]], arm["successes"], arm["retained"], f"{arm['iqm_env_steps']:.0f}", steps_interval(arm), f"{arm['mean_collisions']:.0f}", shown(arm)])
     return table(head, rows)
 
 

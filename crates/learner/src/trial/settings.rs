@@ -50,6 +50,30 @@ impl Settings {
             ..
         } = &mut settings;
         match method {
+            Method::Xcs => {
+                (xcs.population_size, xcs.dont_care, xcs.mu) = (3200, 0.0, 0.01);
+                (xcs.theta_ga, xcs.epsilon_0) = (100, 1.0);
+                (reward.step_threshold, reward.gamma) = (600, 0.71);
+                episode.explore = 0.7;
+            }
+            Method::Xcsam => {
+                (xcs.population_size, xcs.dont_care, xcs.mu) = (3200, 0.0, 0.02);
+                (xcs.theta_ga, xcs.initial_prediction) = (100, 100.0);
+                (reward.step_threshold, reward.gamma) = (600, 0.71);
+                episode.explore = 0.5;
+            }
+            Method::AdaptedEven => {
+                (xcs.population_size, xcs.dont_care, xcs.mu) = (6400, 0.05, 0.01);
+                (xcs.theta_ga, xcs.epsilon_0) = (100, 5.0);
+                xcs.action_set_subsumption = false;
+                episode.explore = 0.2;
+            }
+            Method::AdaptedDiscounted => {
+                (xcs.population_size, xcs.dont_care, xcs.mu) = (6400, 0.0, 0.02);
+                (xcs.theta_ga, xcs.epsilon_0) = (100, 1.0);
+                xcs.action_set_subsumption = false;
+                (reward.step_threshold, reward.gamma) = (600, 0.8);
+            }
             Method::Xcscr | Method::XcscrCoevolved => {
                 (xcs.population_size, xcs.dont_care, xcs.mu) = (3200, 0.05, 0.05);
                 (reward.step_threshold, reward.gamma) = (600, 0.8);
@@ -62,7 +86,6 @@ impl Settings {
                 reward.sharing = Sharing::Even;
                 reward.beta_collision = 0.05;
             }
-            Method::Xcs | Method::Xcsam | Method::AdaptedEven | Method::AdaptedDiscounted => {}
             Method::QLearning | Method::SarsaLambda | Method::DynaQ | Method::RMax => {}
         }
         settings
