@@ -1,8 +1,10 @@
 //! Conversion of Python arguments to a plan.
 
+use std::collections::BTreeSet;
+use std::ffi::CString;
 use std::path::Path;
 
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use xcscr_learner::agent::Method;
 use xcscr_learner::trial::{Plan, Resolved, RobotProfile, Settings};
@@ -31,11 +33,33 @@ const OPTIONS: [(&str, &str); 14] = [
     ("run the same command again", "make the same call again"),
 ];
 
-/// Converts an error to a `ValueError` with its message, which names arguments of Python.
-pub fn invalid(fault: impl std::fmt::Display) -> PyErr {
-    let text = fault.to_string();
+/// Returns a message that names arguments of Python.
+fn in_python(message: impl std::fmt::Display) -> String {
     let replaced = |text: String, (option, argument): &(&str, &str)| text.replace(option, argument);
-    PyValueError::new_err(OPTIONS.iter().fold(text, replaced))
+    OPTIONS.iter().fold(message.to_string(), replaced)
+}
+
+/// Converts an error to a `ValueError` with its message.
+pub fn invalid(fault: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(in_python(fault))
+}
+
+/// Warns about plans that are bound to fail or to miss the optimum, with each warning only once.
+///
+/// # Errors
+/// If Python turns warnings into errors.
+pub fn warn(py: Python<'_>, plans: impl Iterator<Item = Plan>) -> PyResult<()> {
+    let category = py.get_type::<PyUserWarning>();
+    let warnings = plans.flat_map(|plan| {
+        let world = plan.maze.name().to_owned();
+        let warnings = plan.warnings().into_iter();
+        warnings.map(move |warning| in_python(format!("{world}: {warning}")))
+    });
+    let distinct: BTreeSet<String> = warnings.collect();
+    distinct.into_iter().try_for_each(|text| {
+        let text = CString::new(text).map_err(invalid)?;
+        PyErr::warn(py, &category, &text, 2)
+    })
 }
 
 /// Finds a member of a closed set by name.

@@ -10,7 +10,7 @@ use xcscr::study::{
 };
 
 use crate::external::{External, Fault};
-use crate::plan::invalid;
+use crate::plan::{invalid, warn};
 
 /// The origin that messages name.
 const ORIGIN: &str = "study";
@@ -55,7 +55,9 @@ pub fn run_study(
 ) -> PyResult<Study> {
     let file = StudyFile::parse(text, ORIGIN, Path::new(""));
     let protocol = file.and_then(|file| Protocol::new(&file, &Overrides::default()));
-    let study = xcscr::study::Study::new(protocol.map_err(invalid)?);
+    let protocol = protocol.map_err(invalid)?;
+    warn(py, protocol.arm_plans())?;
+    let study = xcscr::study::Study::new(protocol);
     // An exception of an agent interrupts a study, and is no result.
     let mut study = study.retry_failed(true);
     let fault = Fault::default();

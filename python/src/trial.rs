@@ -8,7 +8,7 @@ use xcscr_learner::episode::{Ending, Episode};
 use xcscr_learner::trial::{Plan, Trial};
 use xcscr_robot::world::Cell;
 
-use crate::plan::{Choice, invalid};
+use crate::plan::{Choice, invalid, warn};
 
 /// The number of episodes between two checks for signals such as Ctrl-C.
 const EPISODES_AT_ONCE: u32 = 16;
@@ -49,8 +49,9 @@ fn row(episode: &Episode, is_optimal: bool) -> Row {
 #[pyfunction]
 #[pyo3(signature = (choice, method, episodes))]
 pub fn train(py: Python<'_>, choice: Choice, method: &str, episodes: u32) -> PyResult<Trained> {
+    let plan = choice.plan(Some(method), episodes)?;
+    warn(py, std::iter::once(plan.clone()))?;
     py.detach(|| {
-        let plan = choice.plan(Some(method), episodes)?;
         let mut trial = Trial::new(plan).map_err(invalid)?;
         let mut rows = Vec::new();
         while !trial.is_finished() {

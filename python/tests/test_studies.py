@@ -3,6 +3,7 @@
 import csv
 import gzip
 import json
+import warnings
 
 import numpy as np
 import pandas
@@ -206,6 +207,17 @@ def test_ctrl_c_ends_a_study():
     threading.Timer(0.5, _thread.interrupt_main).start()
     with pytest.raises(KeyboardInterrupt):
         study(["q-learning", Slow], trials=1000, jobs=2)
+
+
+def test_a_world_that_a_percept_cannot_solve_is_a_warning():
+    with pytest.warns(UserWarning, match="rooms-12-3: the sensor `neighbours` cannot distinguish .*`sensor=neighbours-position`") as caught:
+        study(["q-learning", "xcs"], worlds=["rooms-12-3", "maze4"], trials=1, episodes=1)
+    assert len([one for one in caught if one.category is UserWarning]) == 1
+    with pytest.warns(UserWarning, match="cannot distinguish"):
+        xcscr.train("rooms-12-3", "q-learning", arena="grid", sensor="neighbours", episodes=1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        study(["q-learning"], worlds=["rooms-12-3"], sensor="position", trials=1, episodes=1)
 
 
 def test_bad_input_is_refused_with_the_message_of_the_program(tmp_path):
