@@ -6,7 +6,9 @@ use std::sync::{Mutex, PoisonError};
 use pyo3::prelude::*;
 use xcscr::record::RecordMode;
 use xcscr::record::reader::Recording as Recorded;
-use xcscr::run::{Again, ExternalActions, ExternalEpisode, ExternalRecorder, Source, WheelSpeeds};
+use xcscr::run::{
+    ExternalActions, ExternalEpisode, ExternalRecorder, RecordedRun, RepeatedRun, WheelSpeeds,
+};
 
 use crate::plan::{Choice, invalid};
 use crate::process::Owner;
@@ -132,6 +134,6 @@ fn fault(file: &Path) -> Result<Option<String>, xcscr::Error> {
     if let Some(fault) = recording.check().into_iter().next() {
         return Ok(Some(fault));
     }
-    let source = Source::of(file)?;
-    Again::new(&source, &mut ())?.difference(&source)
+    let source = RecordedRun::of(file)?;
+    RepeatedRun::new(&source, &mut ())?.difference(&source)
 }

@@ -9,7 +9,7 @@ use xcscr::ErrorKind;
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::disk;
-use xcscr::run::{RunFolder, Source};
+use xcscr::run::{RecordedRun, RunFolder};
 use xcscr::sensor::Sensor;
 use xcscr::study::StudyFile;
 use xcscr::trial::{Resolved, RobotProfile, Settings, SettingsError};
@@ -151,7 +151,7 @@ pub fn read_rules(path: &Path) -> Result<Knowledge, Failure> {
         return Ok(RunFolder::open(path).knowledge()?);
     }
     if path.extension().is_some_and(|end| end == "mcap") {
-        return Ok(Source::of(path)?.knowledge()?);
+        return Ok(RecordedRun::of(path)?.knowledge()?);
     }
     if !path.exists() && Maze::find(path).is_ok() {
         return Err(world_for_policy(path, ErrorKind::Missing));

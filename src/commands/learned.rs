@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use xcscr::ErrorKind;
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
-use xcscr::run::{RunFolder, Source};
+use xcscr::run::{RecordedRun, RunFolder};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Config, Plan, Settings};
 
@@ -29,7 +29,7 @@ pub struct LearnedArgs {
 /// Returns the plan of a run and what was learned, from its folder or one of its recordings.
 pub fn of_run(run: &Path, is_recording: bool) -> Result<(Plan, Knowledge), Failure> {
     if is_recording {
-        let source = Source::of(run)?;
+        let source = RecordedRun::of(run)?;
         let knowledge = source.knowledge()?;
         return Ok((source.run.plan, knowledge));
     }

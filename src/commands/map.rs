@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use xcscr::ErrorKind;
 use xcscr::disk;
 use xcscr::picture::Look;
-use xcscr::run::{Rerun, RunFolder, Source};
+use xcscr::run::{RecordedRun, RepeatableRun, RunFolder};
 use xcscr::trial::Plan;
 
 use super::failure::Failure;
@@ -47,7 +47,7 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         true => Look::ActionValues,
         false => Look::Policy,
     };
-    let picture = Rerun::training(plan).picture(args.episode.or(shown), look)?;
+    let picture = RepeatableRun::training(plan).picture(args.episode.or(shown), look)?;
     let picture = match kind {
         Kind::Svg => picture.svg().into_bytes(),
         Kind::Png => picture.png()?,
@@ -75,7 +75,7 @@ impl Kind {
 /// Returns the plan of a run, and the episode of a recording.
 fn plan(args: &MapArgs) -> Result<(Plan, Option<u32>), Failure> {
     if args.run.exists() && !args.run.is_dir() {
-        let source = Source::of(&args.run)?;
+        let source = RecordedRun::of(&args.run)?;
         source.require_training()?;
         return Ok((source.run.plan, source.extent.episode()));
     }

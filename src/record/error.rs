@@ -1,4 +1,5 @@
-//! Errors of recordings. Every message names the file and says what to do.
+//! Errors of recordings. Every message names the file and says what to do. Functions without a cause
+//! return the conversion of a cause, for `map_err`.
 
 use std::fmt::Display;
 use std::io;
@@ -14,25 +15,25 @@ const ADVICE: &str =
     "; `xcscr recording check` lists the faults, `mcap recover` saves the readable part: ";
 
 /// Returns the conversion of an error when reading a recording.
-pub(super) fn unread(path: &Path) -> impl Fn(io::Error) -> Error {
+pub(super) fn cannot_read(path: &Path) -> impl Fn(io::Error) -> Error {
     move |cause| world_for_run(path).unwrap_or_else(|| disk::cannot_read(path)(cause))
 }
 
 /// Returns the conversion of an error when writing a file, for example because the disk is full.
 /// The data written so far is kept.
-pub(crate) fn write<E: Into<McapError>>(path: &Path) -> impl Fn(E) -> Error {
-    move |cause| unwritten(path, explained(&cause.into()))
+pub(crate) fn cannot_write<E: Into<McapError>>(path: &Path) -> impl Fn(E) -> Error {
+    move |cause| write_failed(path, explained(&cause.into()))
 }
 
 /// Returns the error for a file that cannot be written.
-pub(crate) fn unwritten(path: &Path, cause: impl Display) -> Error {
+pub(crate) fn write_failed(path: &Path, cause: impl Display) -> Error {
     let message = format!("cannot write the recording: {cause}: {}", path.display());
     ErrorKind::Io.error(message)
 }
 
 /// Returns the conversion of an error when a complete file is compared with what a repeated run
 /// records.
-pub(super) fn differs<E: Into<McapError>>(path: &Path) -> impl Fn(E) -> Error {
+pub(super) fn unlike_repeated_run<E: Into<McapError>>(path: &Path) -> impl Fn(E) -> Error {
     move |cause| {
         let message = format!(
             "{} is not what the repeated run records: {}; it was changed, or another version of xcscr wrote \
@@ -45,7 +46,7 @@ pub(super) fn differs<E: Into<McapError>>(path: &Path) -> impl Fn(E) -> Error {
 }
 
 /// Returns the error for a file with these bytes, which are not an MCAP file.
-pub(crate) fn foreign(path: &Path, bytes: &[u8]) -> Error {
+pub(crate) fn not_a_recording(path: &Path, bytes: &[u8]) -> Error {
     let kind = match bytes.starts_with(b"SQLite format 3") {
         true => "it is a database; `ros2 bag convert` converts a bag to MCAP",
         false => "it does not begin like an MCAP file",
@@ -55,7 +56,7 @@ pub(crate) fn foreign(path: &Path, bytes: &[u8]) -> Error {
 }
 
 /// Returns the error for a recording that cannot be used in this way.
-pub(super) fn unsuitable(path: &Path, cause: &str) -> Error {
+pub(super) fn unusable(path: &Path, cause: &str) -> Error {
     let message = format!("{}: {cause}", path.display());
     ErrorKind::BadData.error(message)
 }

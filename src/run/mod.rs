@@ -1,9 +1,9 @@
 //! A recorded, resumable run in a folder.
 //!
-//! [`Session`] trains, records into a [`RunFolder`], and resumes stopped runs. [`Source`]
-//! identifies the run of a recording. [`Rerun`] repeats the run for an observer, and [`Again`] to
-//! compare the bytes.
-//! [`RunFolder::replay_page`] returns a page that plays it.
+//! [`Session`] trains, records into a [`RunFolder`], and resumes stopped runs. A [`RecordedRun`] is what
+//! a recording tells about its run. A [`RepeatableRun`] is what determines a run, and repeats it for an
+//! observer. A [`RepeatedRun`] is the same run, recorded again into a temporary folder, to compare the
+//! bytes. [`RunFolder::replay_page`] returns a page that plays it.
 //!
 //! # Example
 //! ```
@@ -26,19 +26,19 @@ mod external;
 mod facts;
 mod folder;
 mod session;
-mod source;
+mod recorded_run;
 mod page;
-mod rerun;
+mod repeatable_run;
 mod unfinished;
 mod untouched;
-mod verify;
+mod repeated_run;
 
 pub(crate) use evaluation::observe;
 pub use evaluation::{evaluate, record_evaluation};
 pub use external::{ExternalActions, ExternalEpisode, ExternalRecorder, WheelSpeeds};
 pub use folder::RunFolder;
 pub use page::page;
-pub use rerun::Rerun;
+pub use recorded_run::RecordedRun;
+pub use repeatable_run::RepeatableRun;
+pub use repeated_run::RepeatedRun;
 pub use session::{Finished, Resumed, Session};
-pub use source::Source;
-pub use verify::Again;

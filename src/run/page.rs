@@ -7,8 +7,8 @@ use tempfile::TempDir;
 use super::error;
 use super::evaluation::record_drives;
 use super::folder::RunFolder;
-use super::rerun::Rerun;
-use super::verify::Again;
+use super::repeatable_run::RepeatableRun;
+use super::repeated_run::RepeatedRun;
 use crate::agent::Knowledge;
 use crate::error::{Error, ErrorKind};
 use crate::record::player;
@@ -43,7 +43,11 @@ impl RunFolder {
 /// If the plan is invalid, or a temporary file cannot be written.
 pub fn page(plan: &Plan) -> Result<String, Error> {
     require_few_cells(plan)?;
-    let again = Again::of(Rerun::training(plan.clone()), RecordMode::All, &mut ())?;
+    let again = RepeatedRun::of(
+        RepeatableRun::training(plan.clone()),
+        RecordMode::All,
+        &mut (),
+    )?;
     page_of(again.folder.path(), plan, &again.knowledge)
 }
 

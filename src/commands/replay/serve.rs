@@ -9,7 +9,7 @@ use xcscr::record::RecordingKind;
 use xcscr::record::layout;
 use xcscr::record::reader::Recording;
 use xcscr::record::server::{Content, Origin, Server, viewer_links};
-use xcscr::run::Source;
+use xcscr::run::RecordedRun;
 use xcscr::trial::Plan;
 
 use super::page::is_episode;
@@ -120,7 +120,7 @@ enum Kind {
 fn group(file: &Path) -> Result<(Kind, Plan, Offer), Failure> {
     let files = vec![file.to_owned()];
     let recording = Recording::open(file)?;
-    let source = Source::of_recording(&recording)?;
+    let source = RecordedRun::of_recording(&recording)?;
     let (kind, what) = match source.extent {
         RecordingKind::Run => (Kind::Run, "The whole run"),
         RecordingKind::Episode(_) => (Kind::Episodes, "Episodes"),

@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 
 use super::drive_messages::{Clock, Imu, Text, Twist};
 use super::messages::{EstimatedPose, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, Transforms};
-use super::topics::Topic;
+use super::topics::BagTopic;
 use super::writer::{ENCAPSULATION, RosWriter, encoded};
 use crate::disk;
 use crate::drive::{DriverStep, Fault, Readings};
@@ -19,17 +19,17 @@ use crate::record::{error, records};
 use crate::world::Maze;
 
 /// The topics of the file.
-const TOPICS: [Topic; 10] = [
-    Topic::Scan,
-    Topic::Odom,
-    Topic::Imu,
-    Topic::Clock,
-    Topic::CmdVel,
-    Topic::Tf,
-    Topic::Pose,
-    Topic::Map,
-    Topic::Decision,
-    Topic::Fault,
+const TOPICS: [BagTopic; 10] = [
+    BagTopic::Scan,
+    BagTopic::Odom,
+    BagTopic::Imu,
+    BagTopic::Clock,
+    BagTopic::CmdVel,
+    BagTopic::Tf,
+    BagTopic::Pose,
+    BagTopic::Map,
+    BagTopic::Decision,
+    BagTopic::Fault,
 ];
 
 /// Writes the recording of a drive, message by message.
@@ -62,11 +62,11 @@ impl DriveBag {
             path: path.to_owned(),
             part,
             replace,
-            writer: RosWriter::begin(file, &TOPICS).map_err(error::write(path))?,
+            writer: RosWriter::begin(file, &TOPICS).map_err(error::cannot_write(path))?,
             faults: Vec::new(),
             clock_ns: None,
         };
-        bag.write(Topic::Map, time_ns, &OccupancyGrid::new(time_ns, maze))?;
+        bag.write(BagTopic::Map, time_ns, &OccupancyGrid::new(time_ns, maze))?;
         Ok(bag)
     }
 
@@ -85,43 +85,52 @@ impl DriveBag {
             .filter(|_| self.clock_ns != readings.clock_ns)
         {
             self.clock_ns = readings.clock_ns;
-            self.write(Topic::Clock, time_ns, &Clock::new(clock_ns))?;
+            self.write(BagTopic::Clock, time_ns, &Clock::new(clock_ns))?;
         }
         for odometry in &readings.odometry {
-            self.write(Topic::Odom, time_ns, &Odometry::from(odometry))?;
+            self.write(BagTopic::Odom, time_ns, &Odometry::from(odometry))?;
         }
         for imu in &readings.imu {
-            self.write(Topic::Imu, time_ns, &Imu::from(imu))?;
+            self.write(BagTopic::Imu, time_ns, &Imu::from(imu))?;
         }
         for scan in &readings.scans {
-            self.write(Topic::Scan, time_ns, &LaserScan::from(scan))?;
+            self.write(BagTopic::Scan, time_ns, &LaserScan::from(scan))?;
         }
-        self.write(Topic::CmdVel, time_ns, &Twist::from(step.command))?;
+        self.write(BagTopic::CmdVel, time_ns, &Twist::from(step.command))?;
         if let Some(belief) = &step.belief {
             let frames = [(MAP, ODOM, belief.odom_in_map)];
             self.write(
-                Topic::Tf,
+                BagTopic::Tf,
                 time_ns,
                 &Transforms::new(belief.stamp_ns, &frames),
             )?;
-            self.write(Topic::Pose, time_ns, &EstimatedPose::from(belief))?;
+            self.write(BagTopic::Pose, time_ns, &EstimatedPose::from(belief))?;
         }
         if let Some(decision) = &step.decision {
-            self.write(Topic::Decision, time_ns, &Text::new(decision.words.clone()))?;
+            self.write(
+                BagTopic::Decision,
+                time_ns,
+                &Text::new(decision.words.clone()),
+            )?;
         }
         let faults: Vec<_> = step.faults.iter().map(Fault::name).collect();
         if faults != self.faults {
             self.faults = faults;
             let words: Vec<String> = step.faults.iter().map(Fault::to_string).collect();
-            self.write(Topic::Fault, time_ns, &Text::new(words.join("; ")))?;
+            self.write(BagTopic::Fault, time_ns, &Text::new(words.join("; ")))?;
         }
         Ok(())
     }
 
-    fn write(&mut self, topic: Topic, time_ns: u64, message: &impl Serialize) -> Result<(), Error> {
-        let message = encoded(message).map_err(|cause| error::unwritten(&self.path, cause))?;
+    fn write(
+        &mut self,
+        topic: BagTopic,
+        time_ns: u64,
+        message: &impl Serialize,
+    ) -> Result<(), Error> {
+        let message = encoded(message).map_err(|cause| error::write_failed(&self.path, cause))?;
         let written = self.writer.write(topic, time_ns, &message);
-        written.map_err(error::write(&self.path))
+        written.map_err(error::cannot_write(&self.path))
     }
 
     /// Finishes the recording, and gives it its name.
@@ -135,7 +144,7 @@ impl DriveBag {
             disk::require_free(&self.path, self.replace)?;
             Ok(fs::rename(&self.part, &self.path)?)
         });
-        saved.map_err(error::write(&self.path))
+        saved.map_err(error::cannot_write(&self.path))
     }
 }
 
@@ -158,7 +167,7 @@ impl DriveRecording {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let bytes = disk::read(path, disk::MOST_BYTES).map_err(disk::cannot_read(path))?;
         if !bytes.starts_with(mcap::MAGIC) {
-            return Err(error::foreign(path, &bytes));
+            return Err(error::not_a_recording(path, &bytes));
         }
         let damaged = error::damaged::<String>(path);
         records::check_unpacked(&bytes).map_err(&damaged)?;
@@ -279,10 +288,10 @@ mod tests {
     fn a_bag_that_unpacks_to_much_is_refused_before_it_is_unpacked() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("bomb");
-        let mut writer = RosWriter::begin(File::create(&path).unwrap(), &[Topic::Scan]).unwrap();
+        let mut writer = RosWriter::begin(File::create(&path).unwrap(), &[BagTopic::Scan]).unwrap();
         let zeros = vec![0; 1 << 20];
         for time_ns in 0..64 {
-            writer.write(Topic::Scan, time_ns, &zeros).unwrap();
+            writer.write(BagTopic::Scan, time_ns, &zeros).unwrap();
         }
         writer.finish().unwrap();
         assert!(path.metadata().unwrap().len() < 100_000);

@@ -2,7 +2,7 @@
 
 /// A topic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Topic {
+pub(super) enum BagTopic {
     Tf,
     Odom,
     Pose,
@@ -44,7 +44,7 @@ macro_rules! qos {
     };
 }
 
-impl Topic {
+impl BagTopic {
     /// Returns the name of the topic.
     pub fn name(self) -> &'static str {
         match self {

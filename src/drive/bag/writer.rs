@@ -8,7 +8,7 @@ use mcap::records::MessageHeader;
 use mcap::{Compression, McapResult, WriteOptions, Writer};
 use serde::Serialize;
 
-use super::topics::Topic;
+use super::topics::BagTopic;
 
 /// The CDR encapsulation header: little-endian, no options.
 pub const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
@@ -17,12 +17,12 @@ const LIBRARY: &str = concat!("xcscr/", env!("CARGO_PKG_VERSION"));
 /// A file that is being written.
 pub(super) struct RosWriter<W: Write + Seek> {
     writer: Writer<W>,
-    channels: BTreeMap<Topic, u16>,
+    channels: BTreeMap<BagTopic, u16>,
 }
 
 impl<W: Write + Seek> RosWriter<W> {
     /// Begins a file with its topics.
-    pub fn begin(out: W, topics: &[Topic]) -> McapResult<Self> {
+    pub fn begin(out: W, topics: &[BagTopic]) -> McapResult<Self> {
         let mut writer = WriteOptions::new()
             .compression(Some(Compression::Zstd))
             .compression_threads(0)
@@ -41,7 +41,7 @@ impl<W: Write + Seek> RosWriter<W> {
     }
 
     /// Writes an encoded message of a topic of the file.
-    pub fn write(&mut self, topic: Topic, time_ns: u64, message: &[u8]) -> McapResult<()> {
+    pub fn write(&mut self, topic: BagTopic, time_ns: u64, message: &[u8]) -> McapResult<()> {
         let header = MessageHeader {
             channel_id: self.channels[&topic],
             sequence: 0,

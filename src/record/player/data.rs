@@ -129,7 +129,7 @@ impl Data {
             let message = message?;
             left = left.checked_sub(message.data.len()).ok_or_else(|| {
                 let cause = "its messages are too many for a page, open it in a viewer";
-                error::unsuitable(recording.path(), cause)
+                error::unusable(recording.path(), cause)
             })?;
             reader.add(recording, &message)?;
         }

@@ -27,7 +27,7 @@ const MAX_LISTED: usize = 1_000;
 /// # Errors
 /// If the file cannot be read. Faults inside the file are findings.
 pub fn check(path: &Path) -> Result<Vec<String>, Error> {
-    let bytes = disk::read(path, disk::MOST_BYTES).map_err(error::unread(path))?;
+    let bytes = disk::read(path, disk::MOST_BYTES).map_err(error::cannot_read(path))?;
     match Recording::from_bytes(path, bytes) {
         Ok(recording) => Ok(recording.check()),
         // Omits the error's advice to run this command.

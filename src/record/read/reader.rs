@@ -103,7 +103,7 @@ impl Recording {
     /// # Errors
     /// If the file cannot be read; otherwise as for [`Self::from_bytes`].
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let bytes = disk::read(path, disk::MOST_BYTES).map_err(error::unread(path))?;
+        let bytes = disk::read(path, disk::MOST_BYTES).map_err(error::cannot_read(path))?;
         let folder = path.parent().filter(|_| is_unfinished(path));
         match folder.and_then(way_to_resume) {
             Some(hint) => {
@@ -131,7 +131,7 @@ impl Recording {
             return Err(ErrorKind::BadData.error(message));
         }
         if !bytes.starts_with(MAGIC) {
-            return Err(error::foreign(path, &bytes));
+            return Err(error::not_a_recording(path, &bytes));
         }
         let damaged = error::damaged(path);
         records::check_unpacked(&bytes).map_err(error::damaged(path))?;

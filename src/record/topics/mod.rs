@@ -94,7 +94,7 @@ enum Scope {
 
 /// The message type of a topic: a well-known message as protobuf, or a fact as JSON.
 #[derive(Clone, Copy)]
-enum Message {
+enum Kind {
     Frames,
     Grid,
     Odometry,
@@ -110,18 +110,18 @@ impl Topic {
     pub const ALL: &[Self] = Self::VARIANTS;
 
     /// Returns the topic's name in the file, the recordings that have it, and its message type.
-    fn entry(self) -> (&'static str, Scope, Message) {
-        use Message::Fact;
+    fn entry(self) -> (&'static str, Scope, Kind) {
+        use Kind::Fact;
         match self {
-            Self::Transforms => ("/tf", Scope::Episode, Message::Frames),
-            Self::Grid => ("/tf_static", Scope::Both, Message::Frames),
-            Self::GroundTruth => ("/ground_truth", Scope::Episode, Message::Odometry),
-            Self::Estimate => ("/estimate", Scope::Sensed, Message::Odometry),
-            Self::Maze => ("/scene/maze", Scope::Both, Message::Scene),
-            Self::Robot => ("/scene/robot", Scope::Episode, Message::Scene),
-            Self::Policy => ("/scene/policy", Scope::Both, Message::Scene),
-            Self::Values => ("/values", Scope::Both, Message::Grid),
-            Self::Trail => ("/scene/trail", Scope::Both, Message::Scene),
+            Self::Transforms => ("/tf", Scope::Episode, Kind::Frames),
+            Self::Grid => ("/tf_static", Scope::Both, Kind::Frames),
+            Self::GroundTruth => ("/ground_truth", Scope::Episode, Kind::Odometry),
+            Self::Estimate => ("/estimate", Scope::Sensed, Kind::Odometry),
+            Self::Maze => ("/scene/maze", Scope::Both, Kind::Scene),
+            Self::Robot => ("/scene/robot", Scope::Episode, Kind::Scene),
+            Self::Policy => ("/scene/policy", Scope::Both, Kind::Scene),
+            Self::Values => ("/values", Scope::Both, Kind::Grid),
+            Self::Trail => ("/scene/trail", Scope::Both, Kind::Scene),
             Self::Contact => (
                 "/contact",
                 Scope::Episode,
@@ -147,21 +147,21 @@ impl Topic {
                 Scope::Episode,
                 Fact("xcscr.Curve", schema::<event::Curve>),
             ),
-            Self::Log => ("/log", Scope::Both, Message::Log),
-            Self::Caption => ("/scene/caption", Scope::Both, Message::Scene),
+            Self::Log => ("/log", Scope::Both, Kind::Log),
+            Self::Caption => ("/scene/caption", Scope::Both, Kind::Scene),
             Self::Rule => (
                 "/rule",
                 Scope::Episode,
                 Fact("xcscr.Rule", schema::<event::Decision>),
             ),
-            Self::RuleText => ("/scene/rule", Scope::Episode, Message::Scene),
-            Self::Percept => ("/scene/percept", Scope::Episode, Message::Scene),
+            Self::RuleText => ("/scene/rule", Scope::Episode, Kind::Scene),
+            Self::Percept => ("/scene/percept", Scope::Episode, Kind::Scene),
             Self::Localisation => (
                 "/localisation",
                 Scope::Sensed,
                 Fact("xcscr.Localisation", schema::<event::Localisation>),
             ),
-            Self::Scan => ("/scan", Scope::Beams, Message::Scan),
+            Self::Scan => ("/scan", Scope::Beams, Kind::Scan),
         }
     }
 
@@ -192,7 +192,7 @@ impl Topic {
     }
 
     /// Returns the type of the topic's messages.
-    fn message(self) -> Message {
+    fn kind(self) -> Kind {
         self.entry().2
     }
 
@@ -216,14 +216,14 @@ impl Topic {
     }
 
     fn defined(self) -> Schema {
-        let well_known = match self.message() {
-            Message::Frames => FrameTransforms::get_schema(),
-            Message::Grid => Grid::get_schema(),
-            Message::Odometry => Odometry::get_schema(),
-            Message::Scene => SceneUpdate::get_schema(),
-            Message::Scan => LaserScan::get_schema(),
-            Message::Log => Log::get_schema(),
-            Message::Fact(name, schema) => return schema(name),
+        let well_known = match self.kind() {
+            Kind::Frames => FrameTransforms::get_schema(),
+            Kind::Grid => Grid::get_schema(),
+            Kind::Odometry => Odometry::get_schema(),
+            Kind::Scene => SceneUpdate::get_schema(),
+            Kind::Scan => LaserScan::get_schema(),
+            Kind::Log => Log::get_schema(),
+            Kind::Fact(name, schema) => return schema(name),
         };
         well_known.expect("well-known messages have a schema")
     }

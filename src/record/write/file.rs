@@ -116,7 +116,7 @@ impl File {
         let part = disk::part(&path);
         let file = disk::create(&part).map_err(|cause| match cause.kind() {
             // The folder existed when the recorder began.
-            io::ErrorKind::NotFound => error::write(&part)(cause),
+            io::ErrorKind::NotFound => error::cannot_write(&part)(cause),
             _ => disk::cannot_create(&part)(cause),
         })?;
         let target = Target::New(BufWriter::with_capacity(64 * 1024, file));
@@ -210,8 +210,8 @@ impl File {
 /// Returns the error that a file cannot be written, or that a complete file differs.
 fn fault(path: &Path, part: Option<&Path>, cause: McapError) -> Error {
     match part {
-        Some(part) => error::write(part)(cause),
-        None => error::differs(path)(cause),
+        Some(part) => error::cannot_write(part)(cause),
+        None => error::unlike_repeated_run(path)(cause),
     }
 }
 

@@ -1,10 +1,10 @@
 //! Writing of recordings while episodes run.
 //!
 //! ```text
-//! Observer ─▶ Recorder ─▶ Facts ─▶ events ─▶ Stream (facts and scenes) ─▶ File (MCAP)
+//! Observer ─▶ Recorder ─▶ EventSource ─▶ events ─▶ Stream (facts and scenes) ─▶ File (MCAP)
 //! ```
 
-mod facts;
+mod event_source;
 mod file;
 mod odometry;
 mod recorder;

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::facts::{Facts, Timed};
+use super::event_source::{EventSource, Timed};
 use super::file::File;
 use super::stream::{Scenery, Stream};
 use crate::agent::Agent;
@@ -38,7 +38,7 @@ pub struct Recorder {
     world: String,
     /// The layouts of episode recordings and of the run's recording.
     layouts: [String; 2],
-    facts: Facts,
+    events: EventSource,
     scenery: Arc<Scenery>,
     run: Option<Stream>,
     episode: Option<Stream>,
@@ -106,7 +106,7 @@ impl Recorder {
             folder: folder.to_owned(),
             world: maze.name().to_owned(),
             layouts: [layout::of_episode(maze), layout::of_run(maze)],
-            facts: Facts::new(maze, &info, mode == RecordMode::Beams),
+            events: EventSource::new(maze, &info, mode == RecordMode::Beams),
             scenery: Arc::new(Scenery::new(maze, &info)),
             info,
             run: None,
@@ -122,7 +122,7 @@ impl Recorder {
 
     /// Shows a policy that was learned elsewhere from the start.
     pub fn warm_start(&mut self, method: &dyn Agent, maze: &Maze) {
-        self.facts.warm_start(method, maze);
+        self.events.warm_start(method, maze);
     }
 
     /// Returns the recording mode.
@@ -232,18 +232,18 @@ impl Recorder {
         if self.mode.wants(episode) {
             self.episode = Some(self.open_episode(episode, view)?);
         }
-        let events = self.facts.began(episode, view);
+        let events = self.events.began(episode, view);
         self.write(&events)
     }
 
     fn step(&mut self, step: &Step<'_>) -> Result<(), Error> {
-        let events = self.facts.stepped(step, self.episode.is_some());
+        let events = self.events.stepped(step, self.episode.is_some());
         self.write(&events)
     }
 
     fn end(&mut self, episode: &Episode, learned: &Learned<'_>) -> Result<(), Error> {
         self.clock_ns = learned.view.now().time_ns;
-        let events = self.facts.ended(episode, learned);
+        let events = self.events.ended(episode, learned);
         self.write(&events)?;
         if let Some(stream) = self.episode.take() {
             let (_, bytes) = stream.into_file().finish()?;

@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 
 use super::error;
 use super::external::{EXTERNAL_EPISODES, METHOD};
-use super::rerun::Rerun;
+use super::repeatable_run::RepeatableRun;
 use crate::agent::Knowledge;
 use crate::episode::{Episode, Learned, Observer};
 use crate::error::Error;
@@ -20,11 +20,11 @@ use crate::world::Maze;
 const RULES: &str = "rules.json";
 
 /// The run of a recording, according to the recording.
-pub struct Source {
+pub struct RecordedRun {
     /// The recording.
     pub file: PathBuf,
     /// What determines its episodes.
-    pub run: Rerun,
+    pub run: RepeatableRun,
     /// The recording mode.
     pub mode: RecordMode,
     /// The kind of the recording.
@@ -33,7 +33,7 @@ pub struct Source {
     pub bytes: Vec<u8>,
 }
 
-impl Source {
+impl RecordedRun {
     /// Reads a recording.
     ///
     /// # Errors
@@ -53,7 +53,7 @@ impl Source {
         let entry = |key: &str| metadata.and_then(|m| m.get(key)).map_or("", String::as_str);
         let extent = RecordingKind::of_entry(entry("episode"));
         let kind = recording.run_kind()?;
-        let run = Rerun {
+        let run = RepeatableRun {
             plan: attached_plan(recording)?,
             evaluated: match kind {
                 RunKind::Evaluation => Some(attached_to_run(file, recording, RULES)?),
@@ -74,7 +74,7 @@ impl Source {
     }
 }
 
-impl Source {
+impl RecordedRun {
     /// Returns the name of the method, or `external`.
     pub fn method_name(&self) -> &'static str {
         match self.run.external {

@@ -15,7 +15,7 @@ use crate::trial::{Evaluation, Plan, Trial};
 /// What determines the episodes of a run: a training, an evaluation of what was learned, or the
 /// episodes of an external agent.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rerun {
+pub struct RepeatableRun {
     /// The plan.
     pub plan: Plan,
     /// The evaluated knowledge, if the run is an evaluation.
@@ -24,7 +24,7 @@ pub struct Rerun {
     pub external: Option<Vec<ExternalEpisode>>,
 }
 
-impl Rerun {
+impl RepeatableRun {
     /// Returns the training of a plan.
     pub fn training(plan: Plan) -> Self {
         Self {

@@ -22,7 +22,7 @@ const CELLS_A_STEP: u32 = 64;
 pub(super) type Timed = (u64, Event);
 
 /// What is known of the run so far.
-pub(super) struct Facts {
+pub(super) struct EventSource {
     sensor: Sensor,
     /// The reward for reaching a goal.
     goal: f64,
@@ -41,7 +41,7 @@ pub(super) struct Facts {
     beams: bool,
 }
 
-impl Facts {
+impl EventSource {
     /// Knows nothing yet. `beams` adds the measurements of the lidar.
     pub fn new(maze: &Maze, info: &RunInfo, beams: bool) -> Self {
         let cells = maze.free_cells().count() as u32;

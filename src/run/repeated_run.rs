@@ -6,34 +6,34 @@ use std::io;
 use tempfile::TempDir;
 
 use super::error;
-use super::rerun::Rerun;
-use super::source::Source;
+use super::recorded_run::RecordedRun;
+use super::repeatable_run::RepeatableRun;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::error::Error;
 use crate::record::{self, RecordMode};
 
 /// A repeated run in a temporary folder, which is deleted with this value.
-pub struct Again {
-    pub(super) run: Rerun,
+pub struct RepeatedRun {
+    pub(super) run: RepeatableRun,
     mode: RecordMode,
     /// The learned knowledge at the end.
     pub(super) knowledge: Knowledge,
     pub(super) folder: TempDir,
 }
 
-impl Again {
+impl RepeatedRun {
     /// Repeats the run of a recording, while `observer` watches.
     ///
     /// # Errors
     /// If the settings or the world are invalid, or a file cannot be written.
-    pub fn new(source: &Source, observer: &mut dyn Observer) -> Result<Self, Error> {
+    pub fn new(source: &RecordedRun, observer: &mut dyn Observer) -> Result<Self, Error> {
         Self::of(source.run.clone(), source.mode, observer)
     }
 
     /// Repeats and records a run.
     pub(super) fn of(
-        run: Rerun,
+        run: RepeatableRun,
         mode: RecordMode,
         observer: &mut dyn Observer,
     ) -> Result<Self, Error> {
@@ -47,7 +47,7 @@ impl Again {
     }
 
     /// Returns true if another recording comes from the same run.
-    pub fn serves(&self, source: &Source) -> bool {
+    pub fn serves(&self, source: &RecordedRun) -> bool {
         self.mode == source.mode && self.run == source.run
     }
 
@@ -55,7 +55,7 @@ impl Again {
     ///
     /// # Errors
     /// If one of the two cannot be read.
-    pub fn difference(&self, source: &Source) -> Result<Option<String>, Error> {
+    pub fn difference(&self, source: &RecordedRun) -> Result<Option<String>, Error> {
         let name = source.extent.file_name();
         let folder = self.folder.path();
         let bytes = match fs::read(folder.join(&name)) {
