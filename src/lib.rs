@@ -29,6 +29,7 @@
 //! | [`page`], [`export`], [`picture`] | policies as HTML, as code and data, as pictures |
 //! | [`drive`] | a policy drives a robot that is known only by its messages; with the feature `ros2`, on ROS 2 |
 //! | [`record`], [`run`] | recordings, and recorded runs in a folder |
+//! | [`replay`] | a page that plays a recording, and a server for viewers |
 //! | [`study`] | many trials, statistics, reports |
 //!
 //! The modules of this crate are listed in the order of their layers: a module uses only modules above it.
@@ -72,6 +73,7 @@ pub mod page;
 pub mod export;
 pub mod picture;
 pub mod record;
+pub mod replay;
 pub mod drive;
 #[cfg(feature = "ros2")]
 pub mod ros2;

@@ -56,7 +56,7 @@ pub(crate) fn not_a_recording(path: &Path, bytes: &[u8]) -> Error {
 }
 
 /// Returns the error for a recording that cannot be used in this way.
-pub(super) fn unusable(path: &Path, cause: &str) -> Error {
+pub(crate) fn unusable(path: &Path, cause: &str) -> Error {
     let message = format!("{}: {cause}", path.display());
     ErrorKind::BadData.error(message)
 }

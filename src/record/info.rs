@@ -11,7 +11,7 @@ use crate::sensor::Sensor;
 pub(super) const KIND: &str = "kind";
 
 /// The key of the metadata record `run` with the radius of the robot, in metres.
-pub(super) const RADIUS: &str = "robot_radius_m";
+pub(crate) const RADIUS: &str = "robot_radius_m";
 
 /// The kind of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,7 +109,7 @@ impl RunInfo {
 }
 
 /// Returns world, method, arena, sensor and seed in one line.
-pub(super) fn heading([world, method, arena, sensor, seed]: [&str; 5]) -> String {
+pub(crate) fn heading([world, method, arena, sensor, seed]: [&str; 5]) -> String {
     format!("{world}: {method} on {arena}, {sensor}, seed {seed}")
 }
 

@@ -6,15 +6,13 @@
 //! run.
 
 pub(crate) mod error;
-mod event;
-mod info;
+pub(crate) mod event;
+pub(crate) mod info;
 pub mod layout;
 mod mode;
-pub mod player;
 mod read;
 pub(crate) mod resume_hint;
-mod serve;
-mod topics;
+pub(crate) mod topics;
 mod write;
 
 pub use info::{RecordingKind, RobotShape, RunInfo, RunKind};
@@ -22,7 +20,6 @@ pub use mode::RecordMode;
 pub(crate) use mode::RecordModeError;
 pub(crate) use read::records;
 pub use read::{check, compare, reader};
-pub use serve::server;
 pub use topics::Topic;
 pub use write::{RecordSummary, Recorder};
 pub(crate) use write::{is_ours, rolled};

@@ -11,9 +11,9 @@ use super::repeatable_run::RepeatableRun;
 use super::repeated_run::RepeatedRun;
 use crate::agent::Knowledge;
 use crate::error::{Error, ErrorKind};
-use crate::record::player;
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordingKind};
+use crate::replay::player;
 use crate::trial::Plan;
 use crate::world::Paths;
 

@@ -8,8 +8,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
 use serde_json::Value;
-use xcscr::record::player;
 use xcscr::record::reader::Recording;
+use xcscr::replay::player;
 
 use crate::GRID;
 use crate::copies::Parts;

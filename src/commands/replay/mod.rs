@@ -5,7 +5,7 @@ mod serve;
 
 use std::path::PathBuf;
 
-use xcscr::record::server::Origin;
+use xcscr::replay::server::Origin;
 
 use super::failure::Failure;
 use super::results::Results;

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
-use xcscr::record::player;
 use xcscr::record::reader::Recording;
+use xcscr::replay::player;
 use xcscr::run::{self, RunFolder};
 use xcscr::study::{PlannedStudy, StudyFolder};
 

@@ -8,7 +8,7 @@ use xcscr::ErrorKind;
 use xcscr::record::RecordingKind;
 use xcscr::record::layout;
 use xcscr::record::reader::Recording;
-use xcscr::record::server::{Content, Origin, Server, viewer_links};
+use xcscr::replay::server::{Content, Origin, Server, viewer_links};
 use xcscr::run::RecordedRun;
 use xcscr::trial::Plan;
 

@@ -24,10 +24,7 @@ impl Recording {
     }
 
     /// Returns the fact in a message.
-    pub(in crate::record) fn fact<F: DeserializeOwned>(
-        &self,
-        message: &Message,
-    ) -> Result<F, Error> {
+    pub(crate) fn fact<F: DeserializeOwned>(&self, message: &Message) -> Result<F, Error> {
         let fact = serde_json::from_slice(&message.data);
         fact.map_err(|fault| self.damaged(format!("{}: {fault}", message.topic())))
     }

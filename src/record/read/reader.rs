@@ -201,7 +201,7 @@ impl Recording {
     }
 
     /// Returns the error that the recording is damaged, with this cause.
-    pub(in crate::record) fn damaged(&self, cause: String) -> Error {
+    pub(crate) fn damaged(&self, cause: String) -> Error {
         error::damaged(&self.path)(cause)
     }
 

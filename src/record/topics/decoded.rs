@@ -10,7 +10,7 @@ const MEMORY: usize = 1 << 20;
 const PART: usize = 320;
 
 /// Decodes a message; `Err` describes the fault.
-pub(in crate::record) fn decoded<M: Decode>(data: &[u8]) -> Result<M, String> {
+pub(crate) fn decoded<M: Decode>(data: &[u8]) -> Result<M, String> {
     let parts = parts(data, 2).ok_or("it is not a protobuf message")?;
     if parts.saturating_mul(PART) > MEMORY_PER_BYTE * data.len() + MEMORY {
         let fault = format!(

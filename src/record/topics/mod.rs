@@ -8,7 +8,7 @@ pub(super) mod estimate;
 pub(super) mod log;
 pub(super) mod maze;
 pub(super) mod odometry;
-pub(super) mod percept;
+pub(crate) mod percept;
 pub(super) mod policy;
 pub(super) mod robot;
 pub(super) mod rule;
@@ -19,7 +19,7 @@ pub(super) mod transforms;
 pub(super) mod values;
 mod decoded;
 
-pub(super) use decoded::decoded;
+pub(crate) use decoded::decoded;
 pub(super) use scene::size_m;
 
 use std::sync::LazyLock;
@@ -243,7 +243,7 @@ fn rounded(number: f64) -> f64 {
 }
 
 /// Rounds a number for JSON messages to three decimals, for legibility.
-pub(super) fn decimal(number: f64) -> f64 {
+pub(crate) fn decimal(number: f64) -> f64 {
     to_parts(number, 1000.0)
 }
 

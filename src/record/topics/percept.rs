@@ -18,7 +18,7 @@ const HEIGHT: f64 = 0.28;
 const THICK: f64 = 0.045;
 
 /// Returns the colour of a perceived cell.
-pub(in crate::record) fn colour(kind: Perceived) -> u32 {
+pub(crate) fn colour(kind: Perceived) -> u32 {
     match kind {
         Perceived::Free => 0x0a6fc2,
         Perceived::Wall => 0xff8c1a,

@@ -1,4 +1,4 @@
-// Tests of colours.mjs: `node --test src/record/player`.
+// Tests of colours.mjs: `node --test src/replay/player`.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { arrowColour, floorColour, mixed } from "./colours.mjs";

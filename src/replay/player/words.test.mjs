@@ -1,4 +1,4 @@
-// Tests of words.mjs: `node --test src/record/player`.
+// Tests of words.mjs: `node --test src/replay/player`.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
