@@ -35,14 +35,12 @@ pub struct ConvertArgs {
     /// Treat unknown pixels as this.
     #[arg(long, value_name = "WHAT", default_value = "wall")]
     unknown: Unknown,
-    /// Share of a cell's pixels that may be occupied or unknown in a free cell, from 0 to below 1
-    /// [default: 0.02, and less than half of a line of pixels across the cell].
-    #[arg(long, value_name = "F")]
-    occupied_fraction: Option<f64>,
-    /// Ignore groups of at most this many connected occupied or unknown pixels [default: as many as
-    /// a free cell may have].
-    #[arg(long, value_name = "N")]
-    despeckle: Option<usize>,
+    /// Share of a cell's pixels that may be occupied or unknown in a free cell, from 0 to below 1.
+    #[arg(long, value_name = "F", default_value_t = 0.0)]
+    occupied_fraction: f64,
+    /// Erase groups of at most this many connected occupied or unknown pixels.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    despeckle: usize,
     /// Lower left corner of the grid in metres from that of the image, or `auto` for the corner
     /// with the most passages between cells that lead to the goal.
     #[arg(long, value_name = "auto|X,Y", default_value = "auto", value_parser = offset, allow_hyphen_values = true)]
@@ -232,8 +230,8 @@ fn refuse_options_of_maps(args: &ConvertArgs) -> Result<(), Failure> {
         ("--start", args.start.is_some()),
         ("--goal", args.goal.is_some()),
         ("--unknown free", args.unknown == Unknown::Free),
-        ("--occupied-fraction", args.occupied_fraction.is_some()),
-        ("--despeckle", args.despeckle.is_some()),
+        ("--occupied-fraction", args.occupied_fraction != 0.0),
+        ("--despeckle", args.despeckle > 0),
         ("--offset", matches!(args.offset, Offset::At(_))),
         ("--preview", args.preview.is_some()),
     ];

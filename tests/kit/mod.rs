@@ -6,6 +6,7 @@
 
 pub mod chance;
 pub mod desk;
+pub mod flat;
 pub mod folder;
 pub mod messages;
 pub mod mutants;

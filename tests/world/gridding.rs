@@ -22,8 +22,8 @@ fn spotted(side: usize, cell: usize, is_free: impl Fn(usize, usize) -> bool) -> 
 /// Every black pixel counts, and the grid is not shifted.
 fn strict() -> Gridding {
     Gridding {
-        occupied_fraction: Some(0.0),
-        despeckle: Some(0),
+        occupied_fraction: 0.0,
+        despeckle: 0,
         offset_m: Some([0.0, 0.0]),
         ..plain()
     }
@@ -239,7 +239,7 @@ fn unmarked(maze: &Maze) -> Vec<String> {
 }
 
 #[test]
-fn noise_does_not_make_walls_and_a_door_of_one_metre_is_found_with_half_metre_cells() {
+fn erased_noise_does_not_make_walls_and_a_door_of_one_metre_is_found_with_half_metre_cells() {
     let office = Office::new();
     for (shift, noise) in [([0, 0], 0), ([0, 0], 200), ([3, 7], 200), ([9, 1], 300)] {
         let map = office.map(shift, noise);
@@ -248,6 +248,8 @@ fn noise_does_not_make_walls_and_a_door_of_one_metre_is_found_with_half_metre_ce
             cell_m: Some(0.5),
             goal_m: Some([x + 2.25, 2.25]),
             start_m: Some([x + 19.75, 15.25]),
+            occupied_fraction: 0.02,
+            despeckle: 2,
             ..plain()
         };
         let loaded = map.load().unwrap();
@@ -257,8 +259,8 @@ fn noise_does_not_make_walls_and_a_door_of_one_metre_is_found_with_half_metre_ce
         assert_origin(&gridded.maze, [x, 0.0, 0.0]);
         // Control: without tolerance, noise closes cells.
         let strict = Gridding {
-            occupied_fraction: Some(0.0),
-            despeckle: Some(0),
+            occupied_fraction: 0.0,
+            despeckle: 0,
             ..gridding
         };
         let strict = strict.of(&loaded).map(|it| unmarked(&it.maze));
@@ -304,8 +306,8 @@ fn fraction_despeckle_and_offset_do_what_they_say() {
     };
     let drawn = |gridding: &Gridding| gridding.of(&loaded).map(|it| rows(&it.maze)).unwrap();
     let with = |occupied_fraction, despeckle| Gridding {
-        occupied_fraction: Some(occupied_fraction),
-        despeckle: Some(despeckle),
+        occupied_fraction,
+        despeckle,
         ..gridding.clone()
     };
     let alone = gridding.of(&loaded).unwrap_err();
@@ -317,7 +319,8 @@ fn fraction_despeckle_and_offset_do_what_they_say() {
     assert_eq!(drawn(&with(0.0, 1)), some);
     assert_eq!(drawn(&with(0.0, 2)), all);
     assert_eq!(drawn(&with(0.07, 0)), some, "one of 16 pixels");
-    assert_eq!(drawn(&with(0.125, 0)), all, "two of 16 pixels");
+    assert_eq!(drawn(&with(0.125, 0)), some, "two pixels at the middle");
+    assert_eq!(drawn(&with(0.125, 1)), some, "a wall of two pixels stays");
     // Cells beyond the image are walls; a shift by whole cells changes nothing.
     for x in [-0.2, 0.2, 1.0] {
         let shifted = Gridding {

@@ -16,6 +16,7 @@ mod nav2;
 mod physics;
 mod sensing;
 mod sensing_robots;
+mod true_walls;
 mod world_errors;
 mod world_properties;
 mod worlds;

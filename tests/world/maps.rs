@@ -95,8 +95,8 @@ pub fn plain() -> Gridding {
         start_m: None,
         goal_m: None,
         unknown_is_free: false,
-        occupied_fraction: None,
-        despeckle: None,
+        occupied_fraction: 0.0,
+        despeckle: 0,
         offset_m: None,
         name: "converted".to_owned(),
     }

@@ -8,7 +8,7 @@ use xcscr::trial::{RobotProfile, Settings};
 use xcscr::world::Maze;
 
 /// The figures of a robot profile.
-fn profile(robot: &str) -> PhysicsParams {
+pub fn profile(robot: &str) -> PhysicsParams {
     let profile = RobotProfile::load(robot).unwrap();
     let settings = profile.settings_over(&Settings::default()).unwrap();
     PhysicsParams {

@@ -209,24 +209,27 @@ impl EstimatedPose {
 }
 
 impl OccupancyGrid {
-    /// Creates the grid of a maze's walls, the southernmost row first.
+    /// Creates the grid of the true walls, the lowest row first.
     pub fn new(time_ns: u64, maze: &Maze) -> Self {
-        let rows = (0..maze.height()).rev();
-        let cells = rows.flat_map(|row| (0..maze.width()).map(move |col| (col, row)));
-        let data = cells.map(
-            |(col, row)| match maze.is_wall(crate::world::Cell { col, row }) {
-                true => OCCUPIED,
-                false => 0,
-            },
-        );
+        let solid = maze.solid();
+        let [width, height] = solid.size();
+        let pixels = (0..height).flat_map(|row| (0..width).map(move |col| (col, row)));
+        // Both are at most 64 million.
+        let data = pixels.map(|(col, row)| match solid.is_solid(col as i32, row as i32) {
+            true => OCCUPIED,
+            false => 0,
+        });
+        let corner = solid.corner_in_grid();
+        let grid = maze.grid_in_map();
+        let place = |pose: Option<Isometry2<f64>>| pose.unwrap_or_else(Isometry2::identity);
         Self {
             header: header(time_ns, MAP),
             info: MapMetaData {
                 map_load_time: Time::default(),
-                resolution: maze.cell_size_m() as f32,
-                width: maze.width().into(),
-                height: maze.height().into(),
-                origin: pose(&maze.grid_in_map().unwrap_or_else(Isometry2::identity)),
+                resolution: solid.pixel_m() as f32,
+                width: width as u32,
+                height: height as u32,
+                origin: pose(&(place(grid) * place(corner))),
             },
             data: data.collect(),
         }

@@ -3,8 +3,10 @@
 use foxglove::messages::{CubePrimitive, LinePrimitive, SceneEntity, SceneUpdate, TextPrimitive};
 use nalgebra::Point2;
 
-use super::scene::{GRID, color, cube, entity, lines, place, point, size_m, update, vector, words};
-use crate::world::{Cell, Maze};
+use super::scene::{
+    GRID, color, cube, entity, heading, lines, place, point, size_m, update, vector, words,
+};
+use crate::world::{Block, Cell, Maze};
 
 /// The colour of the floor.
 const FLOOR: u32 = 0xeef1f5;
@@ -22,6 +24,9 @@ const NUMBERED: u16 = 64;
 /// numbers, which are legible when the whole maze is in view.
 const ALL_NUMBERED: u16 = 12;
 
+/// The most blocks of a world from a map that are drawn.
+const MOST_BLOCKS: usize = 1 << 14;
+
 /// The height of letters and numbers, in cells, where every row and column is numbered.
 const LETTER: f64 = 0.22;
 
@@ -32,7 +37,9 @@ pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
     ground.cubes.extend(slippery(maze));
     ground.lines = vec![floor_lines(maze)];
     let mut walls = entity("walls", GRID, time_ns);
-    if !maze.is_too_large() {
+    if maze.is_from_map() {
+        walls.cubes = true_walls(maze);
+    } else if !maze.is_too_large() {
         walls.cubes = (0..maze.height())
             .flat_map(|row| blocks(maze, row))
             .collect();
@@ -78,6 +85,29 @@ fn floor_lines(maze: &Maze) -> LinePrimitive {
         scale_invariant: true,
         ..lines(pose, 1.0, points, color(FLOOR_LINE, 1.0))
     }
+}
+
+/// Returns the walls of a world from a map in their true shape. Worlds with very many blocks are
+/// drawn without walls.
+fn true_walls(maze: &Maze) -> Vec<CubePrimitive> {
+    let solid = maze.solid();
+    let high = 0.25 * maze.cell_size_m();
+    let block = |block: &Block| {
+        let (at, [width, height]) = (solid.middle_of(block), solid.size_of(block));
+        let mut pose = place(at.x, at.y, 0.5 * high);
+        if let Some(corner) = solid.corner_in_grid() {
+            pose.orientation = Some(heading(corner.rotation));
+        }
+        let size = vector(width, height, high);
+        cube(pose, size, color(WALL, 1.0))
+    };
+    let blocks = solid.blocks();
+    let shown = if blocks.len() > MOST_BLOCKS {
+        &[]
+    } else {
+        &blocks[..]
+    };
+    shown.iter().map(block).collect()
 }
 
 /// Returns the walls of a row, a quarter of a cell high. Adjacent walls form one block.

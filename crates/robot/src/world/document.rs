@@ -13,7 +13,7 @@ use super::json::{refuse_other_kinds, syntax_fault, text_after_end};
 use super::source::{Source, quoted};
 
 /// The keys of a world file.
-const KEYS: [&str; 8] = [
+const KEYS: [&str; 9] = [
     "name",
     "cell_size_m",
     "moves",
@@ -22,6 +22,7 @@ const KEYS: [&str; 8] = [
     "rows",
     "floor",
     "reward",
+    "solid",
 ];
 
 /// The values of a world file as raw text.

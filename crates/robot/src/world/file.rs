@@ -2,6 +2,7 @@
 
 use std::io;
 use std::path::Path;
+use std::sync::Arc;
 
 use super::auxiliary;
 use super::checks::{check_border, check_reachable, check_start_and_goal};
@@ -15,6 +16,7 @@ use super::name;
 use super::near;
 use super::origin::Origin;
 use super::rows::Rows;
+use super::solid::Solid;
 use super::source::{Source, quoted};
 use crate::input;
 
@@ -54,6 +56,7 @@ impl Maze {
     /// * ragged or empty rows, unknown letters, or an open border
     /// * no goal, more than one start, or a start from which no goal can be reached
     /// * a floor that does not fit the rows, or rewarding cells without a reward
+    /// * a solid geometry that does not fit the cells
     /// * too large (over 64 MiB, or 4096 columns or rows)
     ///
     /// # Example
@@ -105,9 +108,13 @@ impl Maze {
         let reward = self.auxiliary.as_ref().map_or(String::new(), |auxiliary| {
             format!(",\n  \"reward\": {:?}", auxiliary.reward)
         });
+        let solid = match self.is_from_map() {
+            true => format!(",\n  \"solid\": {}", self.solid.to_json()),
+            false => String::new(),
+        };
         format!(
             "{{\n  \"name\": \"{}\",\n  \"cell_size_m\": {:?},\n  \"moves\": {moves},\n  \
-             \"wrap\": {}{origin},\n  \"rows\": {}{floor}{reward}\n}}\n",
+             \"wrap\": {}{origin},\n  \"rows\": {}{floor}{reward}{solid}\n}}\n",
             self.name,
             self.cell_size_m,
             self.wrap,
@@ -161,6 +168,7 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
         .ok_or_else(|| missing_key(source, "rows"))?;
     let mut rows = Rows::parse(source, raw_rows)?;
     check_start_and_goal(source, &rows)?;
+    let walls = std::mem::take(&mut rows.walls).into();
     let mut maze = Maze {
         name,
         cell_size_m,
@@ -169,7 +177,8 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
         origin,
         width: rows.width(),
         height: rows.height(),
-        walls: std::mem::take(&mut rows.walls).into(),
+        solid: Maze::solid_cells(&walls, rows.width(), cell_size_m),
+        walls,
         start: rows.starts.first().copied(),
         goals: std::mem::take(&mut rows.goals),
         floor: None,
@@ -178,6 +187,9 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
     };
     if let Some(raw) = document.value("floor") {
         maze.floor = floor::read(source, raw, &maze)?;
+    }
+    if let Some(raw) = document.value("solid") {
+        maze.solid = Arc::new(Solid::read(source, raw, &maze)?);
     }
     if !wrap {
         check_border(source, &maze, &rows)?;

@@ -9,6 +9,7 @@ use super::cache::Cache;
 use super::direction::{Direction, Moves};
 use super::name;
 use super::origin::Origin;
+use super::solid::Solid;
 use xcs::Action;
 
 /// The largest maze, in cells, that is shown cell by cell: larger ones are not drawn, and neither
@@ -52,6 +53,8 @@ pub struct Maze {
     pub(super) height: u16,
     /// Row by row from the north: true for walls.
     pub(super) walls: Arc<[bool]>,
+    /// The true shape of the walls: in a maze the cells themselves.
+    pub(super) solid: Arc<Solid>,
     pub(super) start: Option<Cell>,
     /// In reading order; never empty.
     pub(super) goals: Vec<Cell>,
@@ -135,6 +138,16 @@ impl Maze {
         cell.col >= self.width || cell.row >= self.height || self.walls[self.index(cell)]
     }
 
+    /// Returns the true shape of the walls.
+    pub fn solid(&self) -> &Arc<Solid> {
+        &self.solid
+    }
+
+    /// Returns true if the walls have another shape than the cells, as in worlds from a map.
+    pub fn is_from_map(&self) -> bool {
+        !Arc::ptr_eq(&self.solid.bits, &self.walls)
+    }
+
     /// Returns true if the cell is a goal.
     pub fn is_goal(&self, cell: Cell) -> bool {
         let place = |cell: &Cell| (cell.row, cell.col);
@@ -213,6 +226,23 @@ impl Maze {
     /// Returns the cell that contains a point of the map frame, in metres; `None` outside the maze.
     pub fn cell_at(&self, point_m: Point2<f64>) -> Option<Cell> {
         self.cell_in_grid(self.point_in_grid(point_m))
+    }
+}
+
+impl Maze {
+    /// Returns the same cells among walls of another shape, in which the middles of all free cells
+    /// are free.
+    #[must_use]
+    pub(super) fn with_solid(self, solid: Solid) -> Self {
+        let solid = Arc::new(solid);
+        Self { solid, ..self }
+    }
+
+    /// Returns the geometry of walls that fill their cells.
+    pub(super) fn solid_cells(walls: &Arc<[bool]>, width: u16, cell_size_m: f64) -> Arc<Solid> {
+        let width = usize::from(width);
+        let corner = Origin::default();
+        Arc::new(Solid::new(width, Arc::clone(walls), cell_size_m, corner))
     }
 }
 

@@ -23,6 +23,7 @@ mod origin;
 mod paths;
 mod rows;
 mod slip;
+mod solid;
 mod source;
 mod starts;
 
@@ -37,4 +38,5 @@ pub use occupancy::{Gridded, Gridding, MapError, Occupancy, OccupancyMap, Passag
 pub use origin::Origin;
 pub use paths::Paths;
 pub use slip::each_other;
+pub use solid::{Block, Solid};
 pub use starts::Starts;

@@ -150,12 +150,12 @@ mod tests {
     struct Closet;
 
     impl Terrain for Closet {
-        fn cell_size_m(&self) -> f64 {
+        fn pixel_m(&self) -> f64 {
             1.0
         }
 
-        fn is_wall(&self, east: i32, north: i32) -> bool {
-            (east, north) != (0, 0)
+        fn is_solid(&self, col: i32, row: i32) -> bool {
+            (col, row) != (0, 0)
         }
 
         fn is_marked(&self, _: Vector2<f64>) -> bool {

@@ -18,14 +18,25 @@ pub use self::ray::cast;
 use crate::{Readings, Return, Robot};
 use xcs::random::Stream;
 
-/// The cells that the robot drives through, counted to the east and to the north. Beyond the border
-/// everything is a wall.
+/// The solid geometry that the robot drives through: a raster of pixels, counted to the right and
+/// upward from its lower left corner. Beyond the border everything is solid.
 pub trait Terrain {
-    /// Returns the edge length of a cell in metres.
-    fn cell_size_m(&self) -> f64;
+    /// Returns the edge length of a pixel in metres.
+    fn pixel_m(&self) -> f64;
 
-    /// Returns true if the cell is a wall.
-    fn is_wall(&self, east: i32, north: i32) -> bool;
+    /// Returns the pose of the lower left corner in the grid frame; `None` if it is the grid frame.
+    fn corner_in_grid(&self) -> Option<Isometry2<f64>> {
+        None
+    }
+
+    /// Returns true if the pixel is solid.
+    fn is_solid(&self, col: i32, row: i32) -> bool;
+
+    /// Returns a length in metres below which nothing is solid around any point of the pixel. 0
+    /// means that it is unknown.
+    fn clear_m(&self, _col: i32, _row: i32) -> f64 {
+        0.0
+    }
 
     /// Returns true if there is a marker on the floor at a point of the grid frame, in metres.
     fn is_marked(&self, point_m: Vector2<f64>) -> bool;

@@ -1,19 +1,50 @@
-//! Rays through the grid, cell by cell (Amanatides and Woo 1987). Lengths in metres of the grid frame.
+//! Rays through a raster, pixel by pixel (Amanatides and Woo 1987).
 
 use nalgebra::Vector2;
 
 use super::Terrain;
 use crate::whole::floor;
 
-/// Returns the distance in metres from `origin` (grid frame) along the unit vector `direction` to the
-/// first wall; `None` when that is more than `limit_m`.
+/// The shortest free length, in pixels, for which skipping costs less than stepping.
+const WORTH_SKIPPING: f64 = 3.0;
+
+/// Returns the distance in metres from `origin` (grid frame) along the unit vector `direction` to
+/// the first wall; `None` when that is more than `limit_m`.
 pub fn cast(
     terrain: &dyn Terrain,
     origin: Vector2<f64>,
     direction: Vector2<f64>,
     limit_m: f64,
 ) -> Option<f64> {
-    let size_m = terrain.cell_size_m();
+    let Some(corner) = terrain.corner_in_grid() else {
+        return cast_in_raster(terrain, origin, direction, limit_m);
+    };
+    let origin = corner.inverse_transform_point(&origin.into()).coords;
+    let direction = corner.rotation.inverse() * direction;
+    // Far from walls the ray skips what is known to be free.
+    let mut skipped = 0.0;
+    while skipped <= limit_m {
+        let at = origin + skipped * direction;
+        let [col, row] = [at.x, at.y].map(|at| floor(at / terrain.pixel_m()) as i32);
+        let clear_m = terrain.clear_m(col, row);
+        if clear_m < WORTH_SKIPPING * terrain.pixel_m() {
+            break;
+        }
+        skipped += clear_m;
+    }
+    let at = origin + skipped * direction;
+    let range = cast_in_raster(terrain, at, direction, limit_m - skipped)?;
+    Some(skipped + range)
+}
+
+/// Returns the same for a ray in the frame of the raster.
+fn cast_in_raster(
+    terrain: &dyn Terrain,
+    origin: Vector2<f64>,
+    direction: Vector2<f64>,
+    limit_m: f64,
+) -> Option<f64> {
+    let size_m = terrain.pixel_m();
     let (mut x, step_x, mut next_x, every_x) = axis(origin.x, direction.x, size_m);
     let (mut y, step_y, mut next_y, every_y) = axis(origin.y, direction.y, size_m);
     loop {
@@ -26,14 +57,14 @@ pub fn cast(
         if range.is_nan() || range > limit_m {
             return None;
         }
-        if terrain.is_wall(x, y) {
+        if terrain.is_solid(x, y) {
             return Some(range);
         }
     }
 }
 
-/// Returns, along one axis: the first cell, the step to the next cell, the distance along the ray
-/// to the next cell, and the distance between further cells.
+/// Returns, along one axis: the first pixel, the step to the next pixel, the distance along the
+/// ray to the next pixel, and the distance between further pixels.
 fn axis(origin: f64, direction: f64, size_m: f64) -> (i32, i32, f64, f64) {
     let cell = floor(origin / size_m);
     let per_metre = 1.0 / direction.abs();

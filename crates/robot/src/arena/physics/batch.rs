@@ -39,7 +39,7 @@ impl BatchArena {
     pub fn new(maze: &Maze, params: &PhysicsParams, seeds: &[u64]) -> Result<Self, PhysicsError> {
         params.check()?;
         check_fit(maze, params)?;
-        let walls = simulation::walls(&blocks(maze)?, maze);
+        let walls = simulation::walls(&blocks(maze)?, maze.solid());
         let arena = |&seed| PhysicsArena::among(walls.clone(), maze.clone(), params.clone(), seed);
         let mut batch = Self {
             arenas: seeds.iter().map(arena).collect(),

@@ -35,7 +35,6 @@ mod snapshot;
 mod terrain;
 #[cfg(test)]
 mod tests;
-mod walls;
 mod wheel_drive;
 
 use nalgebra::{Point2, Vector2};
@@ -61,10 +60,9 @@ use self::noise::Noise;
 use self::robot::{Wheels, true_motion};
 use self::sensing::Sensing;
 use self::simulation::{Simulation, State, eastward};
-use self::walls::Block;
 use super::{Arena, Contact, Outcome, Sample, View, first_cell};
 use crate::streams::StreamName;
-use crate::world::{Cell, Direction, Maze, Moves};
+use crate::world::{Block, Cell, Direction, Maze, Moves};
 use xcs::Action;
 use xcs::random::Stream;
 use xcscr_sensing::STEP_S;
@@ -113,7 +111,7 @@ impl PhysicsArena {
     pub fn new(maze: Maze, params: PhysicsParams, seed: u64) -> Result<Self, PhysicsError> {
         params.check()?;
         check_fit(&maze, &params)?;
-        let walls = simulation::walls(&blocks(&maze)?, &maze);
+        let walls = simulation::walls(&blocks(&maze)?, maze.solid());
         Ok(Self::among(walls, maze, params, seed))
     }
 
@@ -203,7 +201,7 @@ impl PhysicsArena {
         self.steps += 1;
         let time_ns = self.time_ns();
         let mut frontal = false;
-        let (pushes, body) = self.simulation.advance(&self.maze);
+        let (pushes, body) = self.simulation.advance(self.maze.solid());
         let centre = true_motion(body).pose.translation.vector;
         for push in pushes {
             frontal |= is_frontal(push.normal, along);
@@ -352,11 +350,7 @@ fn blocks(maze: &Maze) -> Result<Vec<Block>, PhysicsError> {
             limit_m: MAX_EXTENT_M,
         });
     }
-    let blocks = walls::merge(maze.width().into(), maze.height().into(), |col, row| {
-        // Both are below the maze's size, which is a u16.
-        let (col, row) = (col as u16, row as u16);
-        maze.is_wall(Cell { col, row })
-    });
+    let blocks = maze.solid().blocks();
     if blocks.len() > MAX_BLOCKS {
         return Err(PhysicsError::TooManyWalls {
             world: world(),

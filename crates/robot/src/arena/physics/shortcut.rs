@@ -10,7 +10,7 @@ use nalgebra::Vector2;
 use rapier2d::prelude::{Pose, RigidBody, Rotation};
 
 use super::{SOLVER_ITERATIONS, STEP_S};
-use crate::world::{Cell, Maze};
+use crate::world::Solid;
 
 /// How many steps ahead the engine looks: it pushes back what would touch within its step and one
 /// substep more. At the end of a step it tests the next substep.
@@ -38,17 +38,13 @@ impl Clearance {
     }
 
     /// Returns true if `body` touches no wall during its next step.
-    pub(super) fn is_clear(&self, maze: &Maze, body: &RigidBody) -> bool {
+    pub(super) fn is_clear(&self, solid: &Solid, body: &RigidBody) -> bool {
         let vector = |of: rapier2d::prelude::Vector| Vector2::new(f64::from(of.x), f64::from(of.y));
         let way = vector(body.linvel()) * STEP_S;
         // The prediction distance of fast bodies is the distance that they move in a step.
         let reach = self.radius_m + self.prediction_m.max(way.norm()) + MARGIN_M;
-        // With a longer reach there could be walls on both sides.
-        reach < 0.5 * maze.cell_size_m()
-            && walls_around(maze, vector(body.translation()), reach)
-                .into_iter()
-                .flatten()
-                .all(|from_wall| self.stays_clear(from_wall, way))
+        let at = vector(body.translation()).into();
+        solid.all_near(at, reach, |from_wall| self.stays_clear(from_wall, way))
     }
 
     /// Returns true if a robot touches no wall when it moves by `way`. `from_wall` is the vector
@@ -60,42 +56,6 @@ impl Clearance {
         let receded = from_wall.dot(&way) / distance;
         // A distance of 0 makes `receded` NaN, and NaN is not greater than the margin.
         gap > MARGIN_M && gap + LOOKAHEAD_STEPS * receded > MARGIN_M
-    }
-}
-
-/// Returns the walls closer than `reach` (below half a cell) to the point `at`. Each is the vector
-/// from its nearest point to `at`, in metres.
-fn walls_around(maze: &Maze, at: Vector2<f64>, reach: f64) -> [Option<Vector2<f64>>; 4] {
-    let size_m = maze.cell_size_m();
-    let (col, up) = ((at.x / size_m).floor(), (at.y / size_m).floor());
-    let row = f64::from(maze.height()) - 1.0 - up;
-    let (east, gap_x) = nearer_side(at.x - col * size_m, reach, size_m);
-    let (north, gap_y) = nearer_side(at.y - up * size_m, reach, size_m);
-    let wall = |east: f64, north: f64| {
-        let from_wall = Vector2::new(-east * gap_x, -north * gap_y);
-        // Negative numbers become 0 here, which is the border: a wall.
-        let (col, row) = ((col + east) as u16, (row - north) as u16);
-        let is_near = from_wall.norm_squared() < reach * reach;
-        (is_near && maze.is_wall(Cell { col, row })).then_some(from_wall)
-    };
-    [
-        wall(0.0, 0.0),
-        wall(east, 0.0),
-        wall(0.0, north),
-        wall(east, north),
-    ]
-}
-
-/// Returns the step to the neighbouring cell within `reach` along one axis, and the gap to that
-/// cell, for a point at `offset` in its own cell. If no neighbour is within reach, both are 0,
-/// which means the cell itself.
-fn nearer_side(offset: f64, reach: f64, size_m: f64) -> (f64, f64) {
-    if offset < reach {
-        (-1.0, offset)
-    } else if size_m - offset < reach {
-        (1.0, size_m - offset)
-    } else {
-        (0.0, 0.0)
     }
 }
 
@@ -118,6 +78,7 @@ pub(super) fn coast(body: &mut RigidBody) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::world::{Cell, Maze};
     use proptest::prelude::*;
 
     const ROWS: [&str; 5] = ["######", "#S.#.#", "##...#", "#..#G#", "######"];
@@ -148,13 +109,17 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_neighbourhood_sees_every_wall_within_reach(
+        fn every_wall_within_reach_is_tested(
             x in 0.5..5.5_f64, y in 0.5..4.5_f64, reach in 0.1..0.499_f64,
         ) {
             let expected = distances(&maze(), x, y, reach);
             prop_assume!(expected == distances(&maze(), x, y, reach + 1e-9));
-            let walls = walls_around(&maze(), Vector2::new(x, y), reach);
-            let found = sorted(walls.into_iter().flatten().map(|from_wall| from_wall.norm()));
+            let mut walls = Vec::new();
+            maze().solid().all_near([x, y].into(), reach, |from_wall| {
+                walls.push(from_wall.norm());
+                true
+            });
+            let found = sorted(walls.into_iter());
             prop_assert_eq!(found.len(), expected.len(), "{:?} {:?}", found, expected);
             for (found, expected) in found.iter().zip(&expected) {
                 prop_assert!((found - expected).abs() < 1e-9, "{} {}", found, expected);

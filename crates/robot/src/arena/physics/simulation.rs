@@ -11,9 +11,8 @@ use serde::{Deserialize, Serialize};
 use super::contact::Listener;
 use super::params::PhysicsParams;
 use super::shortcut::{Clearance, coast};
-use super::walls::Block;
 use super::{SOLVER_ITERATIONS, STEP_S};
-use crate::world::Maze;
+use crate::world::{Block, Solid};
 use xcscr_sensing::Push;
 
 /// How far ahead the engine looks for walls, in metres: farther than any robot drives in a step.
@@ -89,10 +88,10 @@ impl Simulation {
     }
 
     /// Simulates one step. Returns the pushes of walls during the step, and the body after it.
-    pub(super) fn advance(&mut self, maze: &Maze) -> (&[Push], &RigidBody) {
+    pub(super) fn advance(&mut self, solid: &Solid) -> (&[Push], &RigidBody) {
         self.listener.pushes().clear();
         let body = &mut self.world.bodies[self.robot];
-        if !self.pushed && self.clearance.is_some_and(|c| c.is_clear(maze, body)) {
+        if !self.pushed && self.clearance.is_some_and(|c| c.is_clear(solid, body)) {
             coast(body);
         } else {
             self.step();
@@ -138,10 +137,10 @@ impl Simulation {
     }
 }
 
-/// Builds the walls of a maze as one shape. The engine would solve separate walls in the order in
+/// Builds the walls of a world as one shape. The engine would solve separate walls in the order in
 /// which the robot approached them. Neither a reset nor the shortcut can reproduce that history.
-pub(super) fn walls(blocks: &[Block], maze: &Maze) -> SharedShape {
-    SharedShape::compound(blocks.iter().map(|block| wall(block, maze)).collect())
+pub(super) fn walls(blocks: &[Block], solid: &Solid) -> SharedShape {
+    SharedShape::compound(blocks.iter().map(|block| wall(block, solid)).collect())
 }
 
 /// Returns the pose at a point, heading east.
@@ -165,18 +164,16 @@ fn empty_world() -> PhysicsWorld {
     world
 }
 
-/// Converts a block of walls to a shape in the grid frame, whose y axis points north.
-fn wall(block: &Block, maze: &Maze) -> (Pose, SharedShape) {
-    let metres = |cells: f64| (cells * maze.cell_size_m()) as f32;
-    let (width, height) = (block.width as f64, block.height as f64);
-    let half = Vector::new(metres(width / 2.0), metres(height / 2.0));
-    let north = f64::from(maze.height()) - block.row as f64;
-    let centre = Vector::new(
-        metres(block.col as f64 + width / 2.0),
-        metres(north - height / 2.0),
-    );
+/// Converts a block of solid pixels to a shape in the grid frame.
+fn wall(block: &Block, solid: &Solid) -> (Pose, SharedShape) {
+    let centre = solid.middle_of(block);
+    let rotation = solid.corner_in_grid().map_or(Rotation::IDENTITY, |corner| {
+        let turn = corner.rotation;
+        Rotation::from_cos_sin_unchecked(turn.re as f32, turn.im as f32)
+    });
+    let half = solid.size_of(block).map(|length| (length / 2.0) as f32);
     (
-        Pose::from_parts(centre, Rotation::IDENTITY),
-        SharedShape::cuboid(half.x, half.y),
+        Pose::from_parts(Vector::new(centre.x as f32, centre.y as f32), rotation),
+        SharedShape::cuboid(half[0], half[1]),
     )
 }

@@ -1,20 +1,25 @@
 //! The maze as sensors see it.
 
-use nalgebra::Vector2;
+use nalgebra::{Isometry2, Vector2};
 use xcscr_sensing::Terrain;
 
-use crate::world::{Cell, Maze};
+use crate::world::Maze;
 
 impl Terrain for Maze {
-    fn cell_size_m(&self) -> f64 {
-        Self::cell_size_m(self)
+    fn pixel_m(&self) -> f64 {
+        self.solid().pixel_m()
     }
 
-    fn is_wall(&self, east: i32, north: i32) -> bool {
-        // Cells beyond the border are walls: negative numbers become large ones.
-        let row = i32::from(self.height()) - 1 - north;
-        let (col, row) = (east as u16, row as u16);
-        Self::is_wall(self, Cell { col, row })
+    fn corner_in_grid(&self) -> Option<Isometry2<f64>> {
+        self.solid().corner_in_grid()
+    }
+
+    fn is_solid(&self, col: i32, row: i32) -> bool {
+        self.solid().is_solid(col, row)
+    }
+
+    fn clear_m(&self, col: i32, row: i32) -> f64 {
+        self.solid().clear_m(col, row)
     }
 
     fn is_marked(&self, point_m: Vector2<f64>) -> bool {
@@ -26,8 +31,8 @@ impl Terrain for Maze {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arena::physics::walls;
     use crate::streams::StreamName;
+    use crate::world::{Block, Cell};
     use parry2d::math::{Pose, Vector};
     use parry2d::query::{Ray, RayCast};
     use parry2d::shape::{Compound, SharedShape};
@@ -50,20 +55,15 @@ mod tests {
 
     /// Returns the same walls as shapes of parry2d, in single precision.
     fn oracle(maze: &Maze) -> Compound {
-        let is_wall = |col: usize, row: usize| {
-            let (col, row) = (col as u16, row as u16);
-            maze.is_wall(Cell { col, row })
-        };
-        let blocks = walls::merge(maze.width().into(), maze.height().into(), is_wall);
-        let shape = |block: &walls::Block| {
-            let half = Vector::new(block.width as f32, block.height as f32) / 2.0;
-            let north = f32::from(maze.height()) - block.row as f32;
-            let centre = Vector::new(block.col as f32 + half.x, north - half.y);
+        let shape = |block: &Block| {
+            let [width, height] = maze.solid().size_of(block).map(|length| length as f32);
+            let middle = maze.solid().middle_of(block);
             (
-                Pose::from_translation(centre),
-                SharedShape::cuboid(half.x, half.y),
+                Pose::from_translation(Vector::new(middle.x as f32, middle.y as f32)),
+                SharedShape::cuboid(width / 2.0, height / 2.0),
             )
         };
+        let blocks = maze.solid().blocks();
         Compound::new(blocks.iter().map(shape).collect())
     }
 

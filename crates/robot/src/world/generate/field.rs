@@ -57,6 +57,7 @@ impl Field {
             .iter()
             .for_each(|cell| self.set_wall(cell.col, cell.row, false));
         let goal = *order.last().expect("the start itself is reached");
+        let walls = self.walls.into();
         Maze {
             name,
             cell_size_m: 1.0,
@@ -65,7 +66,8 @@ impl Field {
             wrap: false,
             width: self.side,
             height: self.side,
-            walls: self.walls.into(),
+            solid: Maze::solid_cells(&walls, self.side, 1.0),
+            walls,
             start: Some(start),
             goals: vec![goal],
             floor: None,

@@ -7,8 +7,8 @@ use nalgebra::Point2;
 
 use super::raster::{Raster, Sums};
 use super::{MapError, OccupancyMap};
+use crate::world::Maze;
 use crate::world::rows::MAX_SIDE;
-use crate::world::{Maze, Origin};
 
 /// The tolerance for rounding when comparing borders of cells and pixels, in pixels.
 pub(super) const ROUNDING: f64 = 1e-6;
@@ -91,10 +91,15 @@ impl Layout {
     /// Returns the pixels of a cell: columns, and rows from the lower edge. For cells that extend
     /// beyond the image, the ranges include pixels outside.
     fn pixels(&self, at: usize) -> [Range<isize>; 2] {
+        self.pixels_between(at, 0.0, 1.0)
+    }
+
+    /// Returns the pixels of a cell from one share of its edge to another.
+    fn pixels_between(&self, at: usize, first: f64, last: f64) -> [Range<isize>; 2] {
         let range = |number: usize, offset: f64| {
-            let edge = |number: usize| offset + number as f64 * self.cell_px;
-            let from = (edge(number) + ROUNDING).floor() as isize;
-            from..(edge(number + 1) - ROUNDING).ceil() as isize
+            let edge = |share: f64| offset + (number as f64 + share) * self.cell_px;
+            let from = (edge(first) + ROUNDING).floor() as isize;
+            from..(edge(last) - ROUNDING).ceil() as isize
         };
         let (col, from_below) = (at % self.cols, self.rows - 1 - at / self.cols);
         [
@@ -121,10 +126,23 @@ impl<'a> Cells<'a> {
         let is_free = |at: usize| {
             let count = layout.pixels(at).map(|range| range.len()).iter().product();
             let (cols, rows) = cells.pixels(at);
-            count <= sums.free_in(cols, rows) + tolerated(count)
+            count <= sums.free_in(cols, rows) + tolerated(count) && cells.has_free_middle(at)
         };
         cells.free = (0..layout.cols * layout.rows).map(is_free).collect();
         cells
+    }
+
+    /// Returns true if all pixels are free that touch the middle of a cell.
+    fn has_free_middle(&self, at: usize) -> bool {
+        // The range is a little wider than a point.
+        let around = 2.0 * ROUNDING / self.layout.cell_px;
+        let middle = self.layout.pixels_between(at, 0.5 - around, 0.5 + around);
+        let (width, height) = (self.raster.map.width, self.raster.map.height);
+        let [mut cols, rows] = middle.map(|range| range.map(|at| at as usize));
+        cols.all(|col| {
+            let mut up = rows.clone();
+            up.all(|up| col < width && up < height && self.raster.is_free(col, height - 1 - up))
+        })
     }
 
     /// Returns the pixels of a cell inside the image: columns, and rows from the top.
@@ -243,13 +261,13 @@ impl<'a> Cells<'a> {
         self.layout.offset_px.map(|pixels| pixels * resolution_m)
     }
 
-    /// Returns the pose of the lower left corner of a window in the map frame.
-    fn origin(&self, window: Window) -> Origin {
+    /// Returns the lower left corner of a window, in metres to the right and upward from the lower
+    /// left corner of the image.
+    fn corner_m(&self, window: Window) -> Point2<f64> {
         let below = self.layout.rows as isize - window.rows[1];
         let [left, lower] = self.offset_m();
         let metres = |cells: isize| cells as f64 * self.layout.cell_m;
-        let corner_m = Point2::new(left + metres(window.cols[0]), lower + metres(below));
-        self.raster.map.origin.moved(corner_m)
+        Point2::new(left + metres(window.cols[0]), lower + metres(below))
     }
 
     /// Builds a maze by writing and reading a world file, so that all of its checks apply.
@@ -279,15 +297,14 @@ impl<'a> Cells<'a> {
         let [left, right] = window.cols;
         let row = |row| (left..right).map(|col| letter(col, row)).collect();
         let rows: Vec<String> = (window.rows[0]..window.rows[1]).map(row).collect();
+        let corner_m = self.corner_m(window);
         let world = serde_json::json!({
             "name": name,
             "cell_size_m": self.layout.cell_m,
-            "origin": self.origin(window),
+            "origin": self.raster.map.origin.moved(corner_m),
             "rows": rows,
         });
-        Ok(Maze::from_json(
-            world.to_string().as_bytes(),
-            "the converted map",
-        )?)
+        let maze = Maze::from_json(world.to_string().as_bytes(), "the converted map")?;
+        Ok(maze.with_solid(self.raster.solid(corner_m)))
     }
 }

@@ -8,10 +8,6 @@ use super::raster::Raster;
 use super::{MapError, OccupancyMap};
 use crate::world::{Cell, Maze};
 
-/// The tolerated share of occupied pixels in a free cell. For a cell of 0.5 m at 5 cm per pixel
-/// this is two of a hundred. Noise next to a wall then does not close a cell, but a chair leg does.
-const OCCUPIED_FRACTION: f64 = 0.02;
-
 /// The options for converting a map to a maze.
 #[derive(Debug, Clone)]
 pub struct Gridding {
@@ -25,12 +21,11 @@ pub struct Gridding {
     /// Treat unknown pixels as free.
     pub unknown_is_free: bool,
     /// The tolerated share of occupied (or unknown) pixels in a free cell, from 0 to below 1.
-    /// `None` for 0.02, but always less than half of a line of pixels across the cell, so that the
-    /// thinnest wall is kept.
-    pub occupied_fraction: Option<f64>,
-    /// The largest group of connected pixels that are not free and count as noise. `None` for the
-    /// number of occupied pixels that a free cell may have.
-    pub despeckle: Option<usize>,
+    /// Above 0, the robot may touch something between free cells.
+    pub occupied_fraction: f64,
+    /// The largest group of connected pixels that are not free and are erased as noise; 0 keeps
+    /// every pixel.
+    pub despeckle: usize,
     /// The lower left corner of the grid, in metres to the right and upward from the lower left
     /// corner of the image. `None` for the offset with the most passages between cells that reach
     /// the goal.
@@ -55,13 +50,13 @@ pub struct Gridded {
 }
 
 impl Gridding {
-    /// Builds the maze. A cell is free if nearly all of its pixels are.
+    /// Builds the maze. A cell is free if all of its pixels are, or nearly all.
     ///
     /// # Errors
     /// When the cell size is not allowed, start or goal are in a wall, or the goal cannot be
     /// reached from the start. The last error lists the passages that are too narrow for a cell.
     pub fn of(&self, map: &OccupancyMap) -> Result<Gridded, MapError> {
-        let share = self.occupied_fraction.unwrap_or(0.0);
+        let share = self.occupied_fraction;
         if !(0.0..1.0).contains(&share) {
             return Err(MapError::Cell(format!(
                 "`--occupied-fraction` is {share}, but must be from 0 to below 1"
@@ -85,29 +80,20 @@ impl Gridding {
         self.cell_m.unwrap_or(map.resolution_m) / map.resolution_m
     }
 
-    /// Returns the tolerated number of occupied pixels in a free cell of `pixels` pixels.
-    fn tolerated(&self, map: &OccupancyMap, pixels: usize) -> usize {
-        let share = |fraction: f64| (pixels as f64 * fraction + ROUNDING).floor();
-        let half_a_line = || ((self.cell_px(map) - 1.0) / 2.0).floor();
-        let least = || share(OCCUPIED_FRACTION).min(half_a_line());
-        self.occupied_fraction.map_or_else(least, share) as usize
-    }
-
     /// Builds the maze with the requested start and goal.
     fn placed(&self, map: &OccupancyMap) -> Result<Gridded, MapError> {
         let goal_m = self.goal_m.ok_or(MapError::NoGoal)?;
         // Refuse a wrong cell size before reading any pixel.
         Layout::new(map, self.cell_m, [0.0, 0.0])?;
-        let in_a_cell = self.cell_px(map).powi(2).round() as usize;
-        let speck = self.despeckle.unwrap_or(self.tolerated(map, in_a_cell));
-        let raster = Raster::new(map, self.unknown_is_free, speck);
+        let raster = Raster::new(map, self.unknown_is_free, self.despeckle);
+        let share = self.occupied_fraction;
         let wanted = Wanted {
             cell_m: self.cell_m,
             cell_px: self.cell_px(map),
             start_m: self.start_m,
             goal_m,
             offset_m: self.offset_m,
-            tolerated: &|pixels| self.tolerated(map, pixels),
+            tolerated: &|pixels| (pixels as f64 * share + ROUNDING).floor() as usize,
         };
         let placed = Placed::find(&wanted, &raster)?;
         let (mut cells, start, goal) = (placed.cells, placed.start, placed.goal);

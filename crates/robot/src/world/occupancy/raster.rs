@@ -2,7 +2,10 @@
 
 use std::ops::Range;
 
+use nalgebra::Point2;
+
 use super::{Occupancy, OccupancyMap};
+use crate::world::{Origin, Solid};
 
 /// The pixels of a map: free or not.
 pub(super) struct Raster<'a> {
@@ -31,6 +34,28 @@ impl<'a> Raster<'a> {
 
     pub fn is_free(&self, col: usize, row: usize) -> bool {
         self.free[row * self.map.width + col]
+    }
+
+    /// Returns the true shape of the walls, around all free pixels. `grid_m` is the lower left corner
+    /// of the grid, in metres to the right and upward from the lower left corner of the image.
+    pub fn solid(&self, grid_m: Point2<f64>) -> Solid {
+        let (width, height) = (self.map.width, self.map.height);
+        let row_is_used = |row: &usize| self.free[row * width..][..width].contains(&true);
+        let col_is_used = |col: &usize| {
+            let mut col = self.free[*col..].iter().step_by(width);
+            col.any(|&free| free)
+        };
+        let rows = used(height, row_is_used);
+        let cols = used(width, col_is_used);
+        let pixel_m = self.map.resolution_m;
+        let corner = Origin {
+            x_m: cols.start as f64 * pixel_m - grid_m.x,
+            y_m: (height - rows.end) as f64 * pixel_m - grid_m.y,
+            yaw_rad: 0.0,
+        };
+        let bits = rows.flat_map(|row| cols.clone().map(move |col| row * width + col));
+        let bits = bits.map(|at| !self.free[at]).collect();
+        Solid::new(cols.len(), bits, pixel_m, corner)
     }
 
     /// Frees small groups of pixels. Pixels that touch at a corner are connected.
@@ -62,6 +87,13 @@ impl<'a> Raster<'a> {
             }
         }
     }
+}
+
+/// Returns the range of the numbers below `count` for which `is_used` is true somewhere.
+fn used(count: usize, is_used: impl Fn(&usize) -> bool) -> Range<usize> {
+    let first = (0..count).find(&is_used).unwrap_or(0);
+    let last = (0..count).rev().find(&is_used).unwrap_or(count - 1);
+    first..last + 1
 }
 
 /// A summed-area table: counts the free pixels in any rectangle with four look-ups.

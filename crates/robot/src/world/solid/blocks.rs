@@ -1,11 +1,15 @@
-//! Merges many wall cells into few large blocks.
+//! Merges many solid pixels into few large blocks.
 
-/// A block of wall cells.
+use nalgebra::Point2;
+
+use super::Solid;
+
+/// A block of solid pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Block {
-    /// The westernmost column.
+pub struct Block {
+    /// The leftmost column.
     pub col: usize,
-    /// The northernmost row.
+    /// The topmost row, counted from the top.
     pub row: usize,
     /// The number of columns.
     pub width: usize,
@@ -14,25 +18,41 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// Returns the block's cells as column and row.
+    /// Returns the block's pixels as column and row.
     fn cells(self) -> impl Iterator<Item = (usize, usize)> {
         let rows = self.row..self.row + self.height;
         rows.flat_map(move |row| (self.col..self.col + self.width).map(move |col| (col, row)))
     }
 }
 
-/// Covers every wall cell of a `width` x `height` grid with exactly one block.
+impl Solid {
+    /// Returns blocks that cover every solid pixel exactly once.
+    pub fn blocks(&self) -> Vec<Block> {
+        merge(self.width, self.bits.to_vec())
+    }
+
+    /// Returns the middle of a block in the grid frame, in metres.
+    pub fn middle_of(&self, block: &Block) -> Point2<f64> {
+        let metres = |pixels: f64| pixels * self.pixel_m;
+        let (width, height) = (block.width as f64, block.height as f64);
+        let top = self.height as f64 - block.row as f64;
+        self.in_grid(Point2::new(
+            metres(block.col as f64 + width / 2.0),
+            metres(top - height / 2.0),
+        ))
+    }
+
+    /// Returns width and height of a block in metres.
+    pub fn size_of(&self, block: &Block) -> [f64; 2] {
+        [block.width, block.height].map(|pixels| pixels as f64 * self.pixel_m)
+    }
+}
+
+/// Covers every pixel of `open`, in `width` columns, with exactly one block.
 ///
-/// Greedy in reading order: each block grows east as far as possible, then south. The grid fixes
-/// the order of the blocks, and thus the order in which contacts are solved.
-pub(super) fn merge(
-    width: usize,
-    height: usize,
-    is_wall: impl Fn(usize, usize) -> bool,
-) -> Vec<Block> {
-    let mut open: Vec<bool> = (0..width * height)
-        .map(|i| is_wall(i % width, i / width))
-        .collect();
+/// Greedy in reading order: each block grows to the right as far as possible, then down. The raster
+/// fixes the order of the blocks, and thus the order in which contacts are solved.
+fn merge(width: usize, mut open: Vec<bool>) -> Vec<Block> {
     let mut blocks = Vec::new();
     for first in 0..open.len() {
         if !open[first] {
@@ -47,7 +67,7 @@ pub(super) fn merge(
     blocks
 }
 
-/// Returns the block that starts at cell `first` and covers only cells that are still `open`.
+/// Returns the block that starts at pixel `first` and covers only pixels that are still `open`.
 fn grow(open: &[bool], width: usize, first: usize) -> Block {
     let (col, row) = (first % width, first / width);
     let run = |row: usize| open[row * width + col..(row + 1) * width].iter();
@@ -77,7 +97,8 @@ mod tests {
             let height = cells.len() / width;
             let wall = |col: usize, row: usize| cells[row * width + col];
             let mut covered = vec![0; width * height];
-            for block in merge(width, height, wall) {
+            let open = cells[..width * height].to_vec();
+            for block in merge(width, open) {
                 block.cells().for_each(|(col, row)| covered[row * width + col] += 1);
             }
             for (i, &count) in covered.iter().enumerate() {
@@ -90,6 +111,7 @@ mod tests {
     #[test]
     fn a_frame_needs_four_blocks() {
         let frame = |col, row| col == 0 || row == 0 || col == 8 || row == 5;
-        assert_eq!(merge(9, 6, frame).len(), 4);
+        let open = (0..54).map(|at| frame(at % 9, at / 9)).collect();
+        assert_eq!(merge(9, open).len(), 4);
     }
 }

@@ -1,0 +1,121 @@
+//! A world from a map has the walls of the map: for the lidar, for the bumper and for the engine.
+
+use std::hash::Hasher;
+
+use fnv::FnvHasher;
+use nalgebra::{Point2, Vector2};
+use xcscr::arena::{Arena, Localisation, PhysicsArena, PhysicsParams};
+use xcscr::world::Maze;
+use xcscr::xcs::random::Stream;
+
+use crate::kit::flat::{self, Flat};
+use crate::kit::tally::script;
+use crate::sensing_robots::profile;
+
+/// A small robot without noise, whose pose is known.
+fn burger() -> PhysicsParams {
+    PhysicsParams {
+        localisation: Localisation::GroundTruth,
+        noise: 0.0,
+        ..profile("turtlebot3-burger")
+    }
+}
+
+/// The same cells, with walls that fill them.
+fn of_blocks(maze: &Maze) -> Maze {
+    let mut world: serde_json::Value = serde_json::from_str(&maze.to_json()).unwrap();
+    world.as_object_mut().unwrap().remove("solid");
+    Maze::from_json(world.to_string().as_bytes(), "blocks").unwrap()
+}
+
+/// The distance to the first solid pixel, in steps of a millimetre.
+fn marched_m(from: Point2<f64>, along: Vector2<f64>, most_m: f64) -> f64 {
+    let steps = (0..).map(|step| f64::from(step) * 0.001);
+    let mut steps = steps.take_while(|&range| range < most_m);
+    let is_hit = |&range: &f64| {
+        let at = from + range * along;
+        flat::is_solid(at.x, at.y)
+    };
+    steps.find(is_hit).unwrap_or(most_m)
+}
+
+/// The share of beams from the middles of all cells that end more than 2 cm beside the true wall.
+fn beams_off(maze: &Maze) -> f64 {
+    let (mut off, mut count) = (0, 0);
+    for cell in maze.free_cells() {
+        for beam in 0..16 {
+            let angle = f64::from(beam) * std::f64::consts::TAU / 16.0 + 0.01;
+            let along = Vector2::new(angle.cos(), angle.sin());
+            let from = maze.centre_in_grid(cell);
+            let range_m = xcscr_sensing::cast(maze, from.coords, along, 3.5).unwrap_or(3.5);
+            let true_m = marched_m(maze.centre_m(cell), along, 3.5);
+            off += u32::from((range_m - true_m).abs() > 0.02);
+            count += 1;
+        }
+    }
+    f64::from(off) / f64::from(count)
+}
+
+#[test]
+fn beams_end_at_the_pixels_of_the_map_and_not_at_the_cells() {
+    let maze = Flat::new().gridded(0.5).maze;
+    assert!(maze.is_from_map());
+    // A step of a millimetre can miss the corner of a pixel.
+    let off = beams_off(&maze);
+    assert!(off < 0.002, "{off}");
+    let blocks = beams_off(&of_blocks(&maze));
+    assert!(blocks > 0.5, "control: {blocks}");
+}
+
+/// A digest of the trace and the contacts of a script of actions, and the number of contacts.
+fn driven(maze: &Maze, shortcut: bool, time_out_s: f64) -> (u64, usize) {
+    let params = PhysicsParams {
+        shortcut,
+        time_out_s,
+        noise: 1.0,
+        ..burger()
+    };
+    let mut arena = PhysicsArena::new(maze.clone(), params, 1).unwrap();
+    let (mut hash, mut contacts) = (FnvHasher::default(), 0);
+    for action in script(1, 400) {
+        arena.act(action);
+        let view = arena.view();
+        contacts += view.contacts.len();
+        hash.write(format!("{:?} {:?}", view.trace, view.contacts).as_bytes());
+        if view.maze.is_goal(view.cell) {
+            arena.reset(maze.start_cells()[0]);
+        }
+    }
+    (hash.finish(), contacts)
+}
+
+#[test]
+fn the_shortcut_gives_the_same_bits_as_the_engine_among_true_walls() {
+    let maze = Flat::new().gridded(0.5).maze;
+    for time_out_s in [30.0, 3.0] {
+        let [with, without] = [true, false].map(|shortcut| driven(&maze, shortcut, time_out_s));
+        assert_eq!(with, without, "time-out {time_out_s}");
+        assert!(with.1 > 10, "control: {} contacts", with.1);
+    }
+}
+
+#[test]
+fn the_robot_stops_at_the_pixels_of_the_map() {
+    let maze = Flat::new().gridded(0.5).maze;
+    let mut arena = PhysicsArena::new(maze.clone(), burger(), 1).unwrap();
+    let mut random = Stream::new(1, 1_u64);
+    let cells: Vec<_> = maze.free_cells().filter(|&c| !maze.is_goal(c)).collect();
+    let mut contacts = 0;
+    for action in script(2, 300) {
+        arena.reset(cells[random.below(cells.len())]);
+        arena.act(action);
+        for contact in arena.view().contacts {
+            let at = contact.point_in_map + 0.02 * contact.normal_in_map;
+            assert!(flat::is_solid(at.x, at.y), "{contact:?}");
+            let at = contact.point_in_map - 0.04 * contact.normal_in_map;
+            assert!(!flat::is_solid(at.x, at.y), "control: {contact:?}");
+            contacts += 1;
+        }
+    }
+    assert!(contacts > 30, "control: {contacts} contacts");
+}
