@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use serde::Serialize;
 use xcscr::ErrorKind;
+use xcscr::arena::Agreement;
 use xcscr::sensor::{AliasedCells, Sensor};
-use xcscr::trial::Bounds;
+use xcscr::trial::{Bounds, PlanError, RobotProfile, Settings};
 use xcscr::world::{Cell, Facts, Maze, MazeKind, Origin, Recipe};
 
 use super::choices;
@@ -27,6 +28,9 @@ pub enum WorldCommand {
         /// World files.
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
+        /// Put this robot into each cell, without noise, and count wrong percepts and beams.
+        #[arg(long, value_name = "NAME|FILE")]
+        robot: Option<String>,
     },
     /// Draw a world in the terminal.
     Show {
@@ -71,7 +75,10 @@ pub struct GenerateArgs {
 /// Runs a subcommand of `world`.
 pub fn run(command: WorldCommand, out: &mut Results) -> Result<(), Failure> {
     match command {
-        WorldCommand::Check { files } => check(&files, out),
+        WorldCommand::Check { files, robot } => {
+            let robot = robot.as_deref().map(RobotProfile::load).transpose()?;
+            check(&files, robot.as_ref(), out)
+        }
         WorldCommand::Show { file } => {
             let maze = choices::world(&file)?;
             Ok(write!(out, "{}", maze.drawn(|_| None))?)
@@ -101,21 +108,42 @@ pub fn run(command: WorldCommand, out: &mut Results) -> Result<(), Failure> {
     }
 }
 
-fn check(files: &[PathBuf], out: &mut Results) -> Result<(), Failure> {
+fn check(
+    files: &[PathBuf],
+    robot: Option<&RobotProfile>,
+    out: &mut Results,
+) -> Result<(), Failure> {
+    let mut check = |file: &PathBuf| {
+        let maze = choices::world(file)?;
+        write_words(out, &summary(file, &maze))?;
+        robot.map_or(Ok(()), |robot| check_senses(&maze, robot, out))
+    };
     if let [file] = files {
-        return Ok(write_words(out, &summary(file, &choices::world(file)?))?);
+        return check(file);
     }
     let mut failures: Vec<ErrorKind> = Vec::new();
     for file in files {
-        match choices::world(file) {
-            Ok(maze) => write_words(out, &summary(file, &maze))?,
-            Err(failure) => {
-                failure.print();
-                failures.push(failure.kind());
-            }
+        if let Err(failure) = check(file) {
+            failure.print();
+            failures.push(failure.kind());
         }
     }
     verdict(&failures, files.len())
+}
+
+/// Prints how well a robot without noise senses a world.
+fn check_senses(maze: &Maze, robot: &RobotProfile, out: &mut Results) -> Result<(), Failure> {
+    let params = robot.settings_over(&Settings::default())?.physics;
+    let found = Agreement::measure(maze, &params, Sensor::Lidar).map_err(PlanError::from)?;
+    let share = |part: u32, all: u32| 100.0 * f64::from(part) / f64::from(all.max(1));
+    let text = format!(
+        "{}, put down in {} cells without noise: {:.1} % of the percepts wrong, {:.1} % of the beams off",
+        robot.name(),
+        found.places,
+        share(found.wrong_percepts, found.places),
+        share(found.beams_off, found.beams),
+    );
+    Ok(write_words(out, &text)?)
 }
 
 /// Returns the failure for several files. Bad data takes precedence over missing and unreadable

@@ -15,6 +15,7 @@
 //! all poses are in the grid frame: origin in the south-western corner of the grid, x to the east,
 //! y to the north. The trait [`Arena`] reports poses in the map frame.
 
+mod agreement;
 mod batch;
 mod cautious;
 mod contact;
@@ -40,6 +41,7 @@ mod wheel_drive;
 use nalgebra::{Point2, Vector2};
 use rapier2d::prelude::SharedShape;
 
+pub use agreement::Agreement;
 pub use batch::{BatchArena, Lanes};
 use cautious::profile;
 pub use cautious::{CautiousDriving, CautiousParams};
