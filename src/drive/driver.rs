@@ -121,7 +121,7 @@ impl Driver {
         Self {
             watch: Watch::new(&physics.lidar, setup.frames.clone()),
             timeline: Timeline::new(physics.wheel_base_m, setup.laser_in_base),
-            pilot: Pilot::new(physics, maze.cell_size_m()),
+            pilot: Pilot::new(physics, maze),
             localisation: Localisation::new(physics.lidar.beams),
             obstacles: Obstacles::default(),
             policy: Frozen::new(

@@ -9,7 +9,7 @@ use xcscr::world::Maze;
 use xcscr::xcs::random::Stream;
 
 use crate::kit::flat::{self, Flat};
-use crate::kit::tally::script;
+use crate::kit::tally::{mean, script};
 use crate::sensing_robots::profile;
 
 /// A small robot without noise, whose pose is known.
@@ -118,4 +118,36 @@ fn the_robot_stops_at_the_pixels_of_the_map() {
         }
     }
     assert!(contacts > 30, "control: {contacts} contacts");
+}
+
+#[test]
+fn a_robot_with_the_map_knows_its_pose_among_walls_that_are_on_no_grid() {
+    let maze = Flat::new().gridded(0.5).maze;
+    for (level, mean_m, most_m) in [(1.0, 0.012, 0.08), (2.0, 0.02, 0.15)] {
+        let params = PhysicsParams {
+            localisation: Localisation::Estimated,
+            noise: level,
+            ..burger()
+        };
+        let mut arena = PhysicsArena::new(maze.clone(), params, 1).unwrap();
+        let mut errors_m = Vec::new();
+        for action in script(3, 150) {
+            arena.act(action);
+            let view = arena.view();
+            let estimate = view.sensed.unwrap().estimates.last().unwrap();
+            let off = estimate.robot_in_map.inverse() * view.now().robot_in_map;
+            errors_m.push(off.translation.vector.norm());
+            if view.maze.is_goal(view.cell) {
+                arena.reset(maze.start_cells()[0]);
+            }
+        }
+        let found = [
+            mean(&errors_m),
+            errors_m.iter().copied().fold(0.0, f64::max),
+        ];
+        assert!(
+            found[0] < mean_m && found[1] < most_m,
+            "level {level}: {found:?}"
+        );
+    }
 }

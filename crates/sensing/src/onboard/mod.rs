@@ -6,16 +6,20 @@
 mod angle;
 mod assumed;
 mod estimator;
+mod field;
 mod mapper;
 mod slip;
 mod surroundings;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use nalgebra::{Isometry2, Matrix3, Point2};
 
 use self::estimator::Estimator;
 pub use self::estimator::FilterState;
+pub use self::field::{Field, Surface};
 use self::mapper::cell_of;
 pub use self::surroundings::Surroundings;
 use crate::{Readings, Return, Robot};
@@ -37,7 +41,7 @@ pub struct Onboard {
 }
 
 impl Onboard {
-    /// Creates an onboard computer with uncalibrated sensors.
+    /// Creates an onboard computer with uncalibrated sensors and without a map.
     pub fn new(robot: &Robot) -> Self {
         Self {
             estimator: Estimator::new(robot),
@@ -52,6 +56,13 @@ impl Onboard {
                 robot.lidar.lost_beam_range_m(robot.cell_size_m),
             ],
         }
+    }
+
+    /// Gives the robot a map to localise itself by.
+    #[must_use]
+    pub fn with_map(mut self, map: Arc<dyn Field>) -> Self {
+        self.estimator.use_map(map);
+        self
     }
 
     /// Puts the robot down at rest, at a pose of the grid frame.

@@ -125,7 +125,7 @@ impl PhysicsArena {
         let mut arena = Self {
             initial: simulation.state(),
             noise: Noise::new(&params, Stream::new(seed, StreamName::Physics)),
-            sensing: Sensing::new(&params, maze.cell_size_m(), seed),
+            sensing: Sensing::new(&params, &maze, seed),
             wheels: Wheels::default(),
             steps: 0,
             cell,
@@ -329,7 +329,7 @@ impl Arena for PhysicsArena {
 
     fn reseed(&mut self, seed: u64) {
         self.noise.stream = Stream::new(seed, StreamName::Physics);
-        self.sensing = Sensing::new(&self.params, self.maze.cell_size_m(), seed);
+        self.sensing = Sensing::new(&self.params, &self.maze, seed);
         self.steps = 0;
         self.reset(first_cell(&self.maze));
     }

@@ -1,6 +1,8 @@
 //! The onboard computer and the controller of a robot, in the arena or outside of it: a real one, or
 //! one behind a network.
 
+use std::sync::Arc;
+
 use nalgebra::{Isometry2, Vector2};
 use xcscr_sensing::{FilterState, Onboard, Readings};
 
@@ -49,10 +51,17 @@ pub struct Pilot {
 }
 
 impl Pilot {
-    /// Creates a pilot for a robot with these settings, in a maze with cells of `cell_size_m`.
-    pub fn new(params: &PhysicsParams, cell_size_m: f64) -> Self {
+    /// Creates a pilot for a robot with these settings. The robot knows the size of the cells, and
+    /// in a world from a map the map.
+    pub fn new(params: &PhysicsParams, maze: &Maze) -> Self {
+        let cell_size_m = maze.cell_size_m();
+        let onboard = Onboard::new(&params.robot(cell_size_m));
+        let solid = maze.is_from_map().then(|| Arc::clone(maze.solid()));
         Self {
-            onboard: Onboard::new(&params.robot(cell_size_m)),
+            onboard: match solid {
+                Some(solid) => onboard.with_map(solid),
+                None => onboard,
+            },
             careful: params.careful(),
             params: params.clone(),
             cell_size_m,

@@ -43,13 +43,13 @@ pub(super) struct SensingState {
 }
 
 impl Sensing {
-    /// Creates the sensors and the onboard computer of the robot with `seed`, in a maze with cells
-    /// of `cell_size_m`. Returns `None` if the robot gets the true pose.
-    pub(super) fn new(params: &PhysicsParams, cell_size_m: f64, seed: u64) -> Option<Box<Self>> {
-        let robot = params.robot(cell_size_m);
+    /// Creates the sensors and the onboard computer of the robot with `seed`. Returns `None` if the
+    /// robot gets the true pose.
+    pub(super) fn new(params: &PhysicsParams, maze: &Maze, seed: u64) -> Option<Box<Self>> {
+        let robot = params.robot(maze.cell_size_m());
         let senses = || Self {
             sensors: Sensors::new(&robot, streams(seed)),
-            pilot: Pilot::new(params, cell_size_m),
+            pilot: Pilot::new(params, maze),
             steps_per_turn: params.lidar.steps_per_turn(),
             returns: Vec::new(),
             estimates: Vec::new(),

@@ -7,6 +7,7 @@
 mod blocks;
 mod distance;
 mod file;
+mod surface;
 
 use std::sync::{Arc, OnceLock};
 

@@ -1,4 +1,4 @@
-//! How well beams fit the lines of the grid.
+//! How well beams fit the walls.
 
 use nalgebra::Vector2;
 
@@ -7,22 +7,24 @@ use super::{
     WHEELS, X, Y,
 };
 use crate::onboard::angle::{ahead, cayley, square};
+use crate::onboard::field::Field;
 use crate::whole::round;
 
-/// The fit of a beam to the nearest line across one axis.
+/// The fit of a beam to a wall.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fit {
+    /// The axis that is nearer to the normal.
     pub axis: usize,
-    /// True if the beam is nearly parallel to the line, and gives no distance to it.
+    /// The unit vector across the wall, in the positive direction of the axis.
+    normal: Vector2<f64>,
+    /// True if the beam is nearly parallel to the wall, and gives no distance to it.
     pub is_shallow: bool,
-    /// The distance that the beam reaches along the axis.
-    reach: f64,
-    /// The distance from the end of the beam to the line.
+    /// The distance from the end of the beam to the wall, along the normal.
     residual: f64,
     /// The square of the residual in units of its variance.
     pub distance: f64,
-    /// The derivatives of the beam's end by heading and by the scale of ranges; the derivative by
-    /// the axis is 1.
+    /// The derivatives of the beam's end along the normal by heading and by the scale of ranges;
+    /// the derivatives by the position are the normal.
     by_heading: f64,
     by_ranges: f64,
     /// The variance of the residual ...
@@ -31,62 +33,77 @@ pub(super) struct Fit {
     own_variance: f64,
 }
 
-impl Fit {
-    /// Returns the fit of the same beam if it starts at `origin`, in a grid with lines every
-    /// `cell_size_m`.
-    pub fn from(self, origin: Vector2<f64>, cell_size_m: f64) -> Self {
-        let end = origin[self.axis] + self.reach;
-        let residual = round(end / cell_size_m) * cell_size_m - end;
-        Self {
-            residual,
-            distance: residual * residual / self.variance,
-            ..self
-        }
-    }
+/// A wall across a beam: the unit vector across it, the distance from the end of the beam to it
+/// along this vector, and the deviation of the wall from the map.
+struct Wall {
+    normal: Vector2<f64>,
+    residual: f64,
+    deviation: f64,
 }
 
 impl Estimator {
-    /// Returns the fits of a beam to the nearest lines across both axes.
-    pub(super) fn fits(&self, ray: &Ray, range: f64) -> [Fit; 2] {
-        let measured = range / (1.0 + self.filter.ranges);
-        [X, Y].map(|axis| self.fit(axis, ray, range, measured))
+    /// Returns the fits of a beam to the surface nearest to its end, or without a map to the
+    /// nearest lines across both axes.
+    pub(super) fn fits(&self, ray: &Ray, range: f64) -> [Option<Fit>; 2] {
+        let end = ray.origin + range * ray.direction;
+        match &self.map {
+            Some(map) => [
+                wall_of(map.as_ref(), ray, end).map(|wall| self.fit(&wall, ray, range)),
+                None,
+            ],
+            None => [Vector2::x(), Vector2::y()].map(|normal| {
+                let at = end.dot(&normal);
+                let wall = Wall {
+                    normal,
+                    residual: round(at / self.cell_size_m) * self.cell_size_m - at,
+                    deviation: 0.0,
+                };
+                Some(self.fit(&wall, ray, range))
+            }),
+        }
     }
 
-    /// Returns the fit of a beam to the nearest line across an axis. `measured` is its range
-    /// without the estimated scale.
-    fn fit(&self, axis: usize, ray: &Ray, range: f64, measured: f64) -> Fit {
-        let along = ray.direction[axis];
-        let across = ray.direction[1 - axis];
+    /// Returns the fit of a beam to a wall.
+    fn fit(&self, wall: &Wall, ray: &Ray, range: f64) -> Fit {
+        let Wall {
+            normal, residual, ..
+        } = *wall;
+        let along = normal.dot(&ray.direction);
+        // The component across the normal: how fast the end moves when the robot turns.
+        let across = normal.y * ray.direction.x - normal.x * ray.direction.y;
         let covariance = &self.filter.covariance;
         let deviation = self.assumed.range + self.assumed.range_share * range;
-        let sign = if axis == X { -1.0 } else { 1.0 };
-        let by_heading = sign * range * across;
-        let by_ranges = measured * along;
+        let by_heading = range * across;
+        // Without the estimated scale.
+        let by_ranges = range / (1.0 + self.filter.ranges) * along;
         let turned_and_scaled = square(by_heading) * covariance[(HEADING, HEADING)]
             + square(by_ranges) * covariance[(RANGES, RANGES)];
-        let state_variance = covariance[(axis, axis)]
+        let of =
+            |column: usize| normal.x * covariance[(X, column)] + normal.y * covariance[(Y, column)];
+        let state_variance = normal.x * of(X)
+            + normal.y * of(Y)
             + turned_and_scaled
-            + 2.0 * by_heading * covariance[(axis, HEADING)]
-            + 2.0 * by_ranges * covariance[(axis, RANGES)]
+            + 2.0 * by_heading * of(HEADING)
+            + 2.0 * by_ranges * of(RANGES)
             + 2.0 * by_heading * by_ranges * covariance[(HEADING, RANGES)];
-        let measurement_variance =
-            square(along * deviation) + square(across * range * self.assumed.beam_rad);
-        let fit = Fit {
-            axis,
+        let measurement_variance = square(along * deviation)
+            + square(across * range * self.assumed.beam_rad)
+            + square(wall.deviation);
+        let variance = state_variance + measurement_variance;
+        Fit {
+            axis: if normal.x >= normal.y { X } else { Y },
+            normal,
             is_shallow: along.abs() <= SHALLOW,
-            reach: range * along,
-            residual: 0.0,
-            distance: 0.0,
+            residual,
+            distance: residual * residual / variance,
             by_heading,
             by_ranges,
-            variance: state_variance + measurement_variance,
+            variance,
             own_variance: turned_and_scaled + measurement_variance,
-        };
-        fit.from(ray.origin, self.cell_size_m)
+        }
     }
 
-    /// Returns true if a beam is accepted as ending on a line across an axis. Outliers can end on
-    /// lines, too. Where the position is uncertain, a single one would make the robot certain of a
+    /// Returns true if a beam is accepted as ending at a wall. Outliers can end at walls, too. Where the position is uncertain, a single one would make the robot certain of a
     /// wrong position, so the last beams of this action must agree there.
     pub(super) fn is_accepted(&mut self, fit: &Fit) -> bool {
         let check = &mut self.consistency_checks[fit.axis];
@@ -98,10 +115,11 @@ impl Estimator {
         is_sure || check.count >= MIN_AGREEING
     }
 
-    /// Moves the state so that the beam ends nearer to the line.
+    /// Moves the state so that the beam ends nearer to the wall.
     pub(super) fn correct(&mut self, fit: &Fit) {
         let covariance = &mut self.filter.covariance;
-        let seen = covariance.column(fit.axis)
+        let seen = fit.normal.x * covariance.column(X)
+            + fit.normal.y * covariance.column(Y)
             + fit.by_heading * covariance.column(HEADING)
             + fit.by_ranges * covariance.column(RANGES);
         // The outer product of a vector with itself is exactly symmetric. Plain arrays let the
@@ -126,4 +144,23 @@ impl Estimator {
         self.filter.ranges += change[RANGES];
         self.filter.roll += change[ROLL];
     }
+}
+
+/// Returns the wall at which a beam ends, by a map; `None` if no surface near its end faces the
+/// robot.
+fn wall_of(map: &dyn Field, ray: &Ray, end: Vector2<f64>) -> Option<Wall> {
+    let surface = map.nearest(end)?;
+    let faces_robot = surface.normal.dot(&ray.direction) < 0.0;
+    // The positive direction makes beams to opposite walls comparable.
+    let main = if surface.normal.x.abs() >= surface.normal.y.abs() {
+        surface.normal.x
+    } else {
+        surface.normal.y
+    };
+    let sign = 1.0_f64.copysign(main);
+    faces_robot.then(|| Wall {
+        normal: sign * surface.normal,
+        residual: -sign * surface.distance_m,
+        deviation: map.deviation_m(),
+    })
 }

@@ -1,7 +1,8 @@
 //! Pose estimation: an extended Kalman filter over wheels, gyro and lidar.
 //!
-//! It needs no map. It only assumes that walls are on the lines of the grid, so that every beam
-//! ends on a line, and corrects by the distance to the nearest line. On such a grid an
+//! With a map ([`Field`]), it corrects by the distance of a beam's end to the nearest surface.
+//! Without one, it only assumes that walls are on the lines of the grid, so that every beam ends on
+//! a line, and corrects by the distance to the nearest line. On such a grid an
 //! overconfident filter can lock in one cell off, and no beam can reveal the error. The filter
 //! therefore assumes more noise than there is, and inflates its covariance where several beams
 //! disagree with it ([`EstimatorParams::batch_check`]). Lengths in metres, angles in radians.
@@ -9,12 +10,15 @@
 mod fit;
 mod predict;
 
+use std::sync::Arc;
+
 use nalgebra::{Isometry2, Matrix3, SMatrix, SVector, UnitComplex, Vector2};
 use serde::{Deserialize, Serialize};
 
 use self::fit::Fit;
 use super::angle::{ahead, rotation, square};
 use super::assumed::Assumed;
+use super::field::Field;
 use super::slip::{Slip, Verdict};
 use crate::{EstimatorParams, Readings, Return, Robot, STEP_S};
 
@@ -30,8 +34,8 @@ const RANGES: usize = 6;
 const ROLL: usize = 7;
 const STATES: usize = 8;
 
-/// The smallest component of a beam along an axis (a cosine) that gives information about lines
-/// across that axis. Shallower beams may still end on such a line.
+/// The smallest component of a beam along the normal of a wall (a cosine) that gives information
+/// about the wall. Shallower beams may still end at it.
 const SHALLOW: f64 = 0.25;
 /// The squared distance, in units of the variance, up to which two beams agree: 3 deviations.
 const AGREEING: f64 = 9.0;
@@ -99,18 +103,20 @@ pub(crate) struct Estimator {
     params: EstimatorParams,
     /// The distance between the lines of the grid.
     cell_size_m: f64,
+    /// The map; `None` for walls on the lines of the grid.
+    map: Option<Arc<dyn Field>>,
     assumed: Assumed,
     filter: FilterState,
     /// The rotation from the end of the last step back to each of its beams.
     back: Vec<UnitComplex<f64>>,
-    /// Along x and y: the last beams of this action that were accepted as ending on lines.
+    /// Along x and y: the last beams of this action that were accepted as ending at walls.
     consistency_checks: [ConsistencyCheck; 2],
 }
 
-/// A run of beams that end on lines across an axis, and agree.
+/// A run of beams that end at walls across an axis, and agree.
 #[derive(Debug, Clone, Copy, Default)]
 struct ConsistencyCheck {
-    /// The distance of the last beam's end from its line.
+    /// The distance of the last beam's end from its wall.
     residual: f64,
     /// The number of beams.
     count: u32,
@@ -144,6 +150,7 @@ impl Estimator {
         Self {
             params: robot.estimator.clone(),
             cell_size_m: robot.cell_size_m,
+            map: None,
             filter: FilterState {
                 pose: Isometry2::identity(),
                 bias: 0.0,
@@ -161,6 +168,11 @@ impl Estimator {
             back: Vec::new(),
             consistency_checks: [ConsistencyCheck::default(); 2],
         }
+    }
+
+    /// Corrects the pose by a map from now on.
+    pub fn use_map(&mut self, map: Arc<dyn Field>) {
+        self.map = Some(map);
     }
 
     /// Puts the robot down at rest, within a centimetre of `pose`. The calibration of the sensors
@@ -252,17 +264,17 @@ impl Estimator {
         }
     }
 
-    /// Corrects the state by a beam that ends on a line, unless it could end on two.
+    /// Corrects the state by a beam that ends at a wall, unless it could end at two.
     fn take_in(&mut self, ray: &Ray) {
         let Some(range) = ray.range.filter(|&range| range > 0.0) else {
             return;
         };
         let mut fits = self.fits(ray, range);
-        if self.falls_back(ray, &fits) {
+        if self.falls_back(ray, range, &fits) {
             fits = self.fits(ray, range);
         }
         let passes = |fit: &Fit| fit.distance < self.params.gate;
-        match fits.map(|fit| Some(fit).filter(passes)) {
+        match fits.map(|fit| fit.filter(passes)) {
             [Some(_), Some(_)] => {}
             // The beam ends at a wall that it runs along. In a corridor, its end gives no
             // information.
@@ -274,7 +286,7 @@ impl Estimator {
                     self.correct(&fit);
                 }
             }
-            // The beam ends on no line: the estimated position along the beam is wrong.
+            // The beam ends at no wall: the estimated position along the beam is wrong.
             [None, None] => {
                 let is_along_x = ray.direction.x.abs() > ray.direction.y.abs();
                 self.inflate(if is_along_x { X } else { Y });
@@ -295,13 +307,16 @@ impl Estimator {
 
     /// Tests whether a beam fits better at the position where the robot would be if its wheels had
     /// spun. Returns true if this beam decides the test in favour of that position.
-    fn falls_back(&mut self, ray: &Ray, fits: &[Fit; 2]) -> bool {
+    fn falls_back(&mut self, ray: &Ray, range: f64, fits: &[Option<Fit>; 2]) -> bool {
         let Some(lag) = self.filter.slip.lag() else {
             return false;
         };
         let ahead = ahead(self.filter.pose.rotation);
-        let origin = ray.origin - lag * ahead;
-        let behind = fits.map(|fit| fit.from(origin, self.cell_size_m));
+        let behind = Ray {
+            origin: ray.origin - lag * ahead,
+            ..*ray
+        };
+        let behind = self.fits(&behind, range);
         let evidence = (self.misfit(fits) - self.misfit(&behind)) / 2.0;
         match self.filter.slip.weigh(evidence, &self.params) {
             Some(Verdict::Spun(lag)) => {
@@ -314,10 +329,10 @@ impl Estimator {
         false
     }
 
-    /// Returns the squared distance of a beam's end from the nearest line, in units of its
+    /// Returns the squared distance of a beam's end from the nearest wall, in units of its
     /// variance, limited to the gate for outliers.
-    fn misfit(&self, fits: &[Fit; 2]) -> f64 {
-        let distances = fits.iter().map(|fit| fit.distance);
+    fn misfit(&self, fits: &[Option<Fit>; 2]) -> f64 {
+        let distances = fits.iter().flatten().map(|fit| fit.distance);
         distances.fold(self.params.gate, f64::min)
     }
 
