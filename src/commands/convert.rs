@@ -12,9 +12,6 @@ use super::failure::Failure;
 use super::output::OutputFile;
 use super::results::Results;
 
-/// The most passages that are listed.
-const MOST_LISTED: usize = 5;
-
 /// Arguments of `world convert`.
 #[derive(Debug, clap::Args)]
 pub struct ConvertArgs {
@@ -35,14 +32,19 @@ pub struct ConvertArgs {
     /// Treat unknown pixels as this.
     #[arg(long, value_name = "WHAT", default_value = "wall")]
     unknown: Unknown,
-    /// Share of a cell's pixels that may be occupied or unknown in a free cell, from 0 to below 1.
-    #[arg(long, value_name = "F", default_value_t = 0.0)]
-    occupied_fraction: f64,
     /// Erase groups of at most this many connected occupied or unknown pixels.
     #[arg(long, value_name = "N", default_value_t = 0)]
     despeckle: usize,
+    /// Turn the grid by this angle against the image, in degrees counter-clockwise.
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    rotate: f64,
     /// Lower left corner of the grid in metres from that of the image, or `auto` for the corner
-    /// with the most passages between cells that lead to the goal.
+    /// with the most moves between cells that lead to the goal.
     #[arg(long, value_name = "auto|X,Y", default_value = "auto", value_parser = offset, allow_hyphen_values = true)]
     offset: Offset,
     /// Draw the map, the grid, the start and the goal into this PNG file.
@@ -113,7 +115,7 @@ fn to_world(args: &ConvertArgs, out: &mut Results) -> Result<(), Failure> {
         cell_m: args.cell,
         start_m: args.start.map(|Point(at)| at),
         goal_m: args.goal.map(|Point(at)| at),
-        occupied_fraction: args.occupied_fraction,
+        yaw_rad: args.rotate.to_radians(),
         despeckle: args.despeckle,
         offset_m: match args.offset {
             Offset::Auto => None,
@@ -125,8 +127,8 @@ fn to_world(args: &ConvertArgs, out: &mut Results) -> Result<(), Failure> {
     print_map(&map, args.unknown, out)?;
     let gridded = gridding.of(&map)?;
     if let Some(file) = preview {
-        let png =
-            map_preview(&gridded, &map).map_err(|fault| Failure::new(ErrorKind::BadData, fault))?;
+        let png = map_preview(&gridded.maze, &map)
+            .map_err(|fault| Failure::new(ErrorKind::BadData, fault))?;
         file.write(&png)?;
     }
     world.write(gridded.maze.to_json().as_bytes())?;
@@ -198,13 +200,7 @@ fn print_world(gridded: &Gridded, file: &Path, out: &mut Results) -> Result<(), 
             "        {count} free cells from which no goal can be reached became walls"
         )?;
     }
-    for passage in gridded.passages.iter().take(MOST_LISTED) {
-        writeln!(out, "        no cell of the grid fits through {passage}")?;
-    }
-    match gridded.passages.len().saturating_sub(MOST_LISTED) {
-        0 => Ok(()),
-        more => Ok(writeln!(out, "        nor through {more} more passages")?),
-    }
+    Ok(())
 }
 
 /// Converts a world to a map.
@@ -230,7 +226,7 @@ fn refuse_options_of_maps(args: &ConvertArgs) -> Result<(), Failure> {
         ("--start", args.start.is_some()),
         ("--goal", args.goal.is_some()),
         ("--unknown free", args.unknown == Unknown::Free),
-        ("--occupied-fraction", args.occupied_fraction != 0.0),
+        ("--rotate", args.rotate != 0.0),
         ("--despeckle", args.despeckle > 0),
         ("--offset", matches!(args.offset, Offset::At(_))),
         ("--preview", args.preview.is_some()),

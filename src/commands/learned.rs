@@ -74,7 +74,7 @@ impl LearnedArgs {
             plan.maze = choices::world(world)?;
         }
         plan.config.sensor = self.sensor.unwrap_or(plan.config.sensor);
-        Ok((plan, knowledge))
+        Ok((plan.fitted(), knowledge))
     }
 
     /// Returns the path of a sibling folder for the results of an evaluation.

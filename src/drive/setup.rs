@@ -56,6 +56,7 @@ impl DriveSetup {
         let physics = robot(plan, options.robot.as_ref())?;
         let trained = &plan.maze;
         let maze = options.world.unwrap_or_else(|| trained.clone());
+        let maze = maze.for_robot(physics.needed_m()).unwrap_or(maze);
         let world = maze.name();
         if maze.cell_size_m() != trained.cell_size_m() {
             return Err(refusal(format!(

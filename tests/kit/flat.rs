@@ -1,6 +1,7 @@
 //! A small flat as a ROS map: no wall is on a line of any grid.
 
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use tempfile::TempDir;
 use xcscr::world::{Gridded, Gridding, OccupancyMap};
@@ -35,8 +36,15 @@ fn is_built(x: f64, y: f64) -> bool {
 
 /// Returns true if the pixel at a point of the map is solid.
 pub fn is_solid(x: f64, y: f64) -> bool {
-    let middle = |at: f64| ((at / PIXEL_M).floor() + 0.5) * PIXEL_M;
-    is_built(middle(x), middle(y))
+    static PIXELS: OnceLock<Vec<bool>> = OnceLock::new();
+    let [width, height] = SIZE;
+    let pixels = PIXELS.get_or_init(|| {
+        let middle = |number: usize| (number as f64 + 0.5) * PIXEL_M;
+        let pixels = (0..width * height).map(|at| (middle(at % width), middle(at / width)));
+        pixels.map(|(x, y)| is_built(x, y)).collect()
+    });
+    let [col, row] = [x, y].map(|at| (at / PIXEL_M).floor() as usize);
+    col >= width || row >= height || pixels[row * width + col]
 }
 
 impl Flat {
@@ -79,7 +87,7 @@ impl Flat {
             start_m: Some([1.6, 1.7]),
             goal_m: Some([6.3, 4.2]),
             unknown_is_free: false,
-            occupied_fraction: 0.0,
+            yaw_rad: 0.0,
             despeckle: 0,
             offset_m: None,
             name: "flat".to_owned(),

@@ -95,7 +95,7 @@ pub fn plain() -> Gridding {
         start_m: None,
         goal_m: None,
         unknown_is_free: false,
-        occupied_fraction: 0.0,
+        yaw_rad: 0.0,
         despeckle: 0,
         offset_m: None,
         name: "converted".to_owned(),

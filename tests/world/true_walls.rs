@@ -4,8 +4,9 @@ use std::hash::Hasher;
 
 use fnv::FnvHasher;
 use nalgebra::{Point2, Vector2};
-use xcscr::arena::{Arena, Localisation, PhysicsArena, PhysicsParams};
-use xcscr::world::Maze;
+use xcscr::arena::{Agreement, Arena, Localisation, Outcome, PhysicsArena, PhysicsParams};
+use xcscr::sensor::Sensor;
+use xcscr::world::{Direction, Maze};
 use xcscr::xcs::random::Stream;
 
 use crate::kit::flat::{self, Flat};
@@ -150,4 +151,120 @@ fn a_robot_with_the_map_knows_its_pose_among_walls_that_are_on_no_grid() {
             "level {level}: {found:?}"
         );
     }
+}
+
+/// The least distance of anything solid from the way between two points, by marching.
+fn gap_m(maze: &Maze, ends: [Point2<f64>; 2]) -> f64 {
+    let [from, to] = ends.map(|end| maze.point_in_map(end));
+    let points = (0..=25).map(|step| from + f64::from(step) / 25.0 * (to - from));
+    let gap = |at: Point2<f64>| {
+        let turns = (0..72).map(|turn| f64::from(turn) * std::f64::consts::TAU / 72.0);
+        let ranges = turns.map(|angle| marched_m(at, Vector2::new(angle.cos(), angle.sin()), 0.2));
+        ranges.fold(0.2, f64::min)
+    };
+    points.map(gap).fold(0.2, f64::min)
+}
+
+#[test]
+fn a_move_is_open_exactly_if_the_robot_touches_nothing_on_its_way() {
+    let needed_m = burger().needed_m();
+    let maze = Flat::new().gridded(0.5).maze.for_robot(needed_m).unwrap();
+    let (mut open, mut barred) = (0, 0);
+    for cell in maze.free_cells().step_by(5) {
+        for direction in Direction::CLOCKWISE {
+            let next = maze.neighbour(cell, direction).unwrap();
+            if maze.is_wall(next) {
+                continue;
+            }
+            let gap_m = gap_m(&maze, [cell, next].map(|cell| maze.centre_in_grid(cell)));
+            let is_open = maze.is_open(cell, direction);
+            // Rays 5 degrees apart see a corner up to a centimetre farther away.
+            let is_sure = !(needed_m - 0.001..needed_m + 0.01).contains(&gap_m);
+            assert!(
+                !is_sure || is_open == (gap_m > needed_m),
+                "{cell:?} {direction:?} {gap_m}"
+            );
+            *if is_open { &mut open } else { &mut barred } += 1;
+        }
+    }
+    assert!(
+        open > 60 && barred > 1,
+        "control: {open} open, {barred} barred"
+    );
+}
+
+#[test]
+fn a_smaller_robot_has_more_cells_and_moves_and_a_larger_one_is_refused_with_the_place() {
+    let maze = Flat::new().gridded(0.5).maze;
+    let cells = |radius_m| {
+        maze.for_robot(radius_m)
+            .map(|maze| maze.free_cells().count())
+    };
+    assert!(
+        cells(0.1) > cells(0.25),
+        "{:?} {:?}",
+        cells(0.1),
+        cells(0.25)
+    );
+    assert_eq!(cells(0.25), Some(maze.free_cells().count()));
+    let huge = PhysicsParams {
+        radius_m: 0.6,
+        ..burger()
+    };
+    let refused = PhysicsArena::new(maze, huge, 1).err().unwrap().to_string();
+    for part in ["0.615 m on each side", "m wide at"] {
+        assert!(refused.contains(part), "{refused}");
+    }
+}
+
+#[test]
+fn a_robot_perceives_the_open_moves_of_every_cell() {
+    for cell_m in [0.25, 0.5] {
+        let maze = Flat::new().gridded(cell_m).maze;
+        let params = profile("turtlebot3-burger");
+        let found = Agreement::measure(&maze, &params, Sensor::LidarPosition).unwrap();
+        let Agreement {
+            places,
+            wrong_percepts,
+            beams,
+            beams_off,
+        } = found;
+        assert!(places > 50 && beams > 5_000, "{found:?}");
+        assert_eq!(wrong_percepts, 0, "{found:?}");
+        // A beam along an edge may pass it.
+        assert!(f64::from(beams_off) < 1e-3 * f64::from(beams), "{found:?}");
+    }
+}
+
+#[test]
+fn a_noisy_robot_does_as_the_open_moves_say_and_perceives_them() {
+    let maze = Flat::new().gridded(0.5).maze;
+    let params = PhysicsParams {
+        localisation: Localisation::Estimated,
+        ..profile("turtlebot3-burger")
+    };
+    let maze = maze.for_robot(params.needed_m()).unwrap();
+    let mut arena = PhysicsArena::new(maze.clone(), params, 1).unwrap();
+    let (mut wrong, mut other, mut moves) = (0, 0, 0);
+    for action in script(5, 300) {
+        let cell = arena.view().cell;
+        let expected = maze.step(cell, maze.direction(action).unwrap());
+        let outcome = arena.act(action);
+        let view = arena.view();
+        let is_as_expected = match expected {
+            Some(next) => view.cell == next && !matches!(outcome, Outcome::Collided { .. }),
+            None => view.cell == cell,
+        };
+        moves += 1;
+        other += u32::from(!is_as_expected);
+        let perceived = Sensor::Lidar.perceive(&view);
+        wrong += u32::from(perceived != Sensor::Lidar.perceive_at(&maze, view.cell));
+        if maze.is_goal(view.cell) {
+            arena.reset(maze.start_cells()[0]);
+        }
+    }
+    assert!(
+        wrong <= 3 && other <= 3,
+        "{wrong} wrong, {other} others of {moves}"
+    );
 }

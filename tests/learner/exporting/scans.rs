@@ -216,6 +216,7 @@ impl<'a> Drive<'a> {
         };
         let sensed = Sensed {
             surroundings: self.onboard.surroundings(),
+            obstacles: self.onboard.obstacles(),
             cell,
             estimates: &[],
             beams: &[],

@@ -216,10 +216,22 @@ impl Plan {
         Ok(())
     }
 
-    /// Returns the plan with the values that depend on the maze filled in. Has no effect on a
-    /// settled plan.
-    pub fn settled(mut self) -> Self {
-        self.config.settings = self.config.settings.settled_in(&self.maze);
+    /// Returns the plan with the values that depend on the maze filled in, [fitted](Self::fitted) to
+    /// its robot. Has no effect on a settled plan.
+    pub fn settled(self) -> Self {
+        let mut plan = self.fitted();
+        plan.config.settings = plan.config.settings.settled_in(&plan.maze);
+        plan
+    }
+
+    /// Returns the plan with the cells and moves of a map that its robot can use. A map without a way
+    /// for the robot stays as it is, and building the arena reports the fault.
+    #[must_use]
+    pub fn fitted(mut self) -> Self {
+        let needed_m = self.config.robot().map(|robot| robot.needed_m());
+        if let Some(maze) = needed_m.and_then(|needed_m| self.maze.for_robot(needed_m)) {
+            self.maze = maze;
+        }
         self
     }
 

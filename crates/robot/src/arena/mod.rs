@@ -30,7 +30,7 @@ pub use slip::SlippingArena;
 
 use crate::world::{Cell, Maze};
 use xcs::{Action, Percept};
-pub use xcscr_sensing::Surroundings;
+pub use xcscr_sensing::{Obstacles, Surroundings};
 
 /// The outcome of an action.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,9 +1,9 @@
 //! Sensor readings and estimates of a robot that localises itself.
 
-use nalgebra::{Isometry2, Matrix3, UnitComplex};
-use xcscr_sensing::Surroundings;
+use nalgebra::{Isometry2, Matrix3, UnitComplex, Vector2};
+use xcscr_sensing::{Obstacles, Surroundings};
 
-use crate::world::Cell;
+use crate::world::{Cell, Maze};
 
 /// The estimated pose of the robot, and its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,6 +56,8 @@ pub struct Beam {
 pub struct Sensed<'a> {
     /// The cells around the robot, as estimated from the lidar.
     pub surroundings: &'a Surroundings,
+    /// What the lidar sees that is not in the map; nothing in a maze.
+    pub obstacles: &'a Obstacles,
     /// The robot's estimated cell in the grid. The robot knows the size of the grid but not its
     /// walls, so this cell may be a wall.
     pub cell: Cell,
@@ -66,4 +68,21 @@ pub struct Sensed<'a> {
     /// True if the robot is mislocalised, that is, in another cell than its estimate. The estimate
     /// may be in a wall or outside the maze. Only an observer has this information.
     pub mislocalised: bool,
+}
+
+/// The width of the path in which obstacles are looked for, as a share of the disc of the world. It
+/// is below 1 because ranges are noisy.
+const NARROWER: f64 = 0.9;
+
+impl Sensed<'_> {
+    /// Returns true if an obstacle that is not in the map bars a step, from the cell at an offset to
+    /// the east and to the north of the estimated cell, by a step to the east and to the north.
+    pub fn is_blocked(&self, maze: &Maze, at: [i32; 2], step: [i32; 2]) -> bool {
+        let middle = maze.centre_in_grid(self.cell).coords;
+        let metres = |cells: [i32; 2]| Vector2::from(cells.map(f64::from)) * maze.cell_size_m();
+        let from = middle + metres(at);
+        let radius_m = NARROWER * maze.clear_radius_m().unwrap_or(0.0);
+        self.obstacles
+            .are_on_path([from, from + metres(step)], radius_m)
+    }
 }

@@ -1,8 +1,8 @@
 //! The bits of lidar percepts, from sensed surroundings or from a perfect lidar.
 //!
 //! All functions work on whole cells around the robot. Their input is a function that returns
-//! whether the cell at an offset to the east and to the north is free. A lidar sees neither goals
-//! nor hidden cells. A diagonal neighbour between two walls is hidden, so it counts as a wall.
+//! whether a step from a cell to a neighbouring one is open. A lidar sees no goals. In a maze it
+//! sees no hidden cells either: a diagonal neighbour between two walls counts as a wall.
 
 use crate::world::{Cell, Direction, Maze};
 use xcs::Percept;
@@ -18,46 +18,67 @@ pub const BEAMS: usize = 16 * BEAM_BITS;
 /// The number of bits of a beam.
 pub const BEAM_BITS: usize = 3;
 
-/// Returns true if the cell at an offset to the east and to the north is free.
-pub type IsFree<'a> = &'a dyn Fn(i32, i32) -> bool;
+/// Returns true if a step is open, from the cell at an offset to the east and to the north of the
+/// robot, by a step to the east and to the north.
+pub type IsOpen<'a> = &'a dyn Fn([i32; 2], [i32; 2]) -> bool;
 
-/// Returns what a perfect lidar sees of a maze from the middle of a cell.
-pub fn perfect(maze: &Maze, cell: Cell) -> impl Fn(i32, i32) -> bool + '_ {
-    move |east, north| {
-        let along = |from: u16, step: i32, size: u16| {
-            let to = i32::from(from) + step;
-            let size = i32::from(size);
-            u16::try_from(if maze.wraps() {
-                to.rem_euclid(size)
-            } else {
-                to
-            })
-            .ok()
-        };
-        let col = along(cell.col, east, maze.width());
-        let row = along(cell.row, -north, maze.height());
-        let cell = col.zip(row).map(|(col, row)| Cell { col, row });
-        cell.is_some_and(|cell| !maze.is_wall(cell))
+/// Returns what a perfect lidar sees from the middle of a cell.
+pub fn perfect(maze: &Maze, cell: Cell) -> impl Fn([i32; 2], [i32; 2]) -> bool + '_ {
+    move |at, step| match maze.is_from_map() {
+        true => is_open(maze, cell, at, step),
+        false => is_seen(&|offset| is_free(maze, cell, offset), at, step),
     }
 }
 
+/// Returns true if a step from the cell at an offset of `cell` is open in a world from a map.
+pub fn is_open(maze: &Maze, cell: Cell, at: [i32; 2], [east, north]: [i32; 2]) -> bool {
+    let mut directions = Direction::CLOCKWISE.into_iter();
+    let direction = directions.find(|direction| direction.offset() == (east, -north));
+    let from = offset(maze, cell, at).filter(|&from| !maze.is_wall(from));
+    from.zip(direction)
+        .is_some_and(|(from, direction)| maze.is_open(from, direction))
+}
+
+/// Returns true if the cell at an offset of `cell` is free.
+fn is_free(maze: &Maze, cell: Cell, at: [i32; 2]) -> bool {
+    offset(maze, cell, at).is_some_and(|cell| !maze.is_wall(cell))
+}
+
+/// Returns the cell at an offset to the east and to the north of another.
+fn offset(maze: &Maze, cell: Cell, [east, north]: [i32; 2]) -> Option<Cell> {
+    let along = |from: u16, step: i32, size: u16| {
+        let to = i32::from(from) + step;
+        let size = i32::from(size);
+        u16::try_from(if maze.wraps() {
+            to.rem_euclid(size)
+        } else {
+            to
+        })
+        .ok()
+    };
+    Some(Cell {
+        col: along(cell.col, east, maze.width())?,
+        row: along(cell.row, -north, maze.height())?,
+    })
+}
+
 /// Encodes the eight surrounding cells, clockwise from north: free `00`, wall or hidden `01`.
-pub fn around(is_free: IsFree<'_>) -> Percept {
+pub fn around(is_open: IsOpen<'_>) -> Percept {
     let bits = Direction::CLOCKWISE.iter().flat_map(|direction| {
         let (east, south) = direction.offset();
-        [false, !is_seen(is_free, [0, 0], [east, -south])]
+        [false, !is_open([0, 0], [east, -south])]
     });
     Percept::from_bits(bits).expect("sixteen bits fit")
 }
 
 /// Encodes each main direction, clockwise from north: whether one, two and three cells are free,
 /// and whether the next diagonal cell clockwise is free.
-pub fn ranges(is_free: IsFree<'_>) -> Percept {
+pub fn ranges(is_open: IsOpen<'_>) -> Percept {
     let bits = (0..4).flat_map(|quarter| {
         let (east, south) = Direction::CLOCKWISE[2 * quarter].offset();
-        let free = free_cells(is_free, &[[east, -south]], FARTHEST);
+        let free = free_cells(is_open, &[[east, -south]], FARTHEST);
         let (beside, below) = Direction::CLOCKWISE[2 * quarter + 1].offset();
-        let diagonal = is_seen(is_free, [0, 0], [beside, -below]);
+        let diagonal = is_open([0, 0], [beside, -below]);
         (1..=FARTHEST).map(move |far| far <= free).chain([diagonal])
     });
     Percept::from_bits(bits).expect("sixteen bits fit")
@@ -66,10 +87,10 @@ pub fn ranges(is_free: IsFree<'_>) -> Percept {
 /// Encodes sixteen beams clockwise from north: the number of free cells that each passes through,
 /// at most seven, highest bit first. The beams between the eight main ones go two cells along and
 /// one across.
-pub fn beams(is_free: IsFree<'_>) -> Percept {
+pub fn beams(is_open: IsOpen<'_>) -> Percept {
     let most = (1 << BEAM_BITS) - 1;
     let bits = (0..16).flat_map(|beam| {
-        let free = free_cells(is_free, &strides(beam), most);
+        let free = free_cells(is_open, &strides(beam), most);
         (0..BEAM_BITS).rev().map(move |bit| free >> bit & 1 == 1)
     });
     Percept::from_bits(bits).expect("48 bits fit")
@@ -99,20 +120,24 @@ fn strides(beam: usize) -> Vec<[i32; 2]> {
 }
 
 /// Returns the number of cells that a beam passes through before it meets a wall.
-fn free_cells(is_free: IsFree<'_>, strides: &[[i32; 2]], most: usize) -> usize {
+fn free_cells(is_open: IsOpen<'_>, strides: &[[i32; 2]], most: usize) -> usize {
     let mut at = [0, 0];
     let passes = |stride: &&[i32; 2]| {
-        let free = is_seen(is_free, at, **stride);
+        let free = is_open(at, **stride);
         at = [at[0] + stride[0], at[1] + stride[1]];
         free
     };
     strides.iter().cycle().take(most).take_while(passes).count()
 }
 
-/// Returns true if the next cell is free, and not hidden behind the corner of two walls.
-fn is_seen(is_free: IsFree<'_>, [east, north]: [i32; 2], [x, y]: [i32; 2]) -> bool {
-    let hidden = x != 0 && y != 0 && !is_free(east + x, north) && !is_free(east, north + y);
-    !hidden && is_free(east + x, north + y)
+/// Returns true if the next cell of a maze is free, and not hidden behind the corner of two walls.
+pub fn is_seen(
+    is_free: &dyn Fn([i32; 2]) -> bool,
+    [east, north]: [i32; 2],
+    [x, y]: [i32; 2],
+) -> bool {
+    let hidden = x != 0 && y != 0 && !is_free([east + x, north]) && !is_free([east, north + y]);
+    !hidden && is_free([east + x, north + y])
 }
 
 #[cfg(test)]
@@ -149,7 +174,10 @@ mod tests {
 
     #[test]
     fn a_diagonal_cell_between_two_walls_is_hidden() {
-        let north_east = |free: &[[i32; 2]]| !around(&|x, y| free.contains(&[x, y])).bit(3);
+        let north_east = |free: &[[i32; 2]]| {
+            let is_seen = |at, step| is_seen(&|cell| free.contains(&cell), at, step);
+            !around(&is_seen).bit(3)
+        };
         assert!(!north_east(&[[1, 1]]), "free, but between two walls");
         assert!(north_east(&[[1, 1], [1, 0]]));
         assert!(north_east(&[[1, 1], [0, 1]]));

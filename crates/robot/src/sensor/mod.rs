@@ -210,15 +210,25 @@ impl Sensor {
 
     /// Returns the percept without observation noise.
     fn unflipped(self, view: &View<'_>) -> Percept {
+        let maze = view.maze;
         let sensed = view.sensed.filter(|_| self.is_sensed());
         match sensed {
+            Some(sensed) if maze.is_from_map() => {
+                // As in a costmap: a layer from the map, and a layer from the scan.
+                let is_open = |at, step| {
+                    lidar::is_open(maze, sensed.cell, at, step)
+                        && !sensed.is_blocked(maze, at, step)
+                };
+                self.by_lidar(&is_open, maze, sensed.cell)
+            }
             Some(Sensed {
                 surroundings, cell, ..
             }) => {
-                let is_free = |east, north| surroundings.is_free(east, north);
-                self.by_lidar(&is_free, view.maze, cell)
+                let is_free = |[east, north]: [i32; 2]| surroundings.is_free(east, north);
+                let is_seen = |at, step| lidar::is_seen(&is_free, at, step);
+                self.by_lidar(&is_seen, maze, cell)
             }
-            None => self.perceive_at(view.maze, view.cell),
+            None => self.perceive_at(maze, view.cell),
         }
     }
 
@@ -236,17 +246,16 @@ impl Sensor {
         }
     }
 
-    /// Returns a lidar percept, for surroundings given by `is_free` and a robot whose estimated
-    /// cell is `cell`.
-    fn by_lidar(self, is_free: lidar::IsFree<'_>, maze: &Maze, cell: Cell) -> Percept {
+    /// Returns a lidar percept, for open steps around a robot whose estimated cell is `cell`.
+    fn by_lidar(self, is_open: lidar::IsOpen<'_>, maze: &Maze, cell: Cell) -> Percept {
         match self {
-            Self::LidarRanges => lidar::ranges(is_free),
-            Self::LidarBeams => lidar::beams(is_free),
+            Self::LidarRanges => lidar::ranges(is_open),
+            Self::LidarBeams => lidar::beams(is_open),
             Self::LidarPosition => {
-                lidar::around(is_free).followed_by(&position::percept(maze, cell))
+                lidar::around(is_open).followed_by(&position::percept(maze, cell))
             }
             Self::Lidar | Self::Neighbours | Self::Position | Self::NeighboursPosition => {
-                lidar::around(is_free)
+                lidar::around(is_open)
             }
         }
     }

@@ -18,8 +18,10 @@ impl Maze {
     /// Returns the contents of the eight cells around a cell, clockwise from north.
     pub fn around(&self, cell: Cell) -> [Content; 8] {
         let is_at_border = |at: u16, size: u16| at == 0 || at + 1 >= size;
-        // Edges may join, and only few cells are near a goal: these cells are looked up one by one.
-        if is_at_border(cell.col, self.width)
+        // Edges may join, walls of a map may bar moves, and only few cells are near a goal: these
+        // cells are looked up one by one.
+        if self.is_from_map()
+            || is_at_border(cell.col, self.width)
             || is_at_border(cell.row, self.height)
             || self.has_goal_in_rows(cell.row - 1, cell.row + 1)
         {

@@ -179,6 +179,7 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
         height: rows.height(),
         solid: Maze::solid_cells(&walls, rows.width(), cell_size_m),
         walls,
+        open: None,
         start: rows.starts.first().copied(),
         goals: std::mem::take(&mut rows.goals),
         floor: None,
@@ -190,6 +191,7 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
     }
     if let Some(raw) = document.value("solid") {
         maze.solid = Arc::new(Solid::read(source, raw, &maze)?);
+        maze.find_open_moves();
     }
     if !wrap {
         check_border(source, &maze, &rows)?;

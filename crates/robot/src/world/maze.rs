@@ -55,6 +55,9 @@ pub struct Maze {
     pub(super) walls: Arc<[bool]>,
     /// The true shape of the walls: in a maze the cells themselves.
     pub(super) solid: Arc<Solid>,
+    /// In a world from a map: one bit for each direction, clockwise from north, set if the move is
+    /// clear of walls. `None` in a maze.
+    pub(super) open: Option<Arc<[u8]>>,
     pub(super) start: Option<Cell>,
     /// In reading order; never empty.
     pub(super) goals: Vec<Cell>,
@@ -145,7 +148,7 @@ impl Maze {
 
     /// Returns true if the walls have another shape than the cells, as in worlds from a map.
     pub fn is_from_map(&self) -> bool {
-        !Arc::ptr_eq(&self.solid.bits, &self.walls)
+        self.open.is_some()
     }
 
     /// Returns true if the cell is a goal.
@@ -206,10 +209,10 @@ impl Maze {
         })
     }
 
-    /// Returns the cell that a move leads to; `None` if a wall or the border blocks it.
+    /// Returns the cell that a move leads to; `None` if a wall or the border bars it.
     pub fn step(&self, cell: Cell, direction: Direction) -> Option<Cell> {
         self.neighbour(cell, direction)
-            .filter(|&next| !self.is_wall(next))
+            .filter(|&next| !self.is_wall(next) && !self.is_barred(cell, direction))
     }
 
     /// Returns a number about this maze that is expensive to compute. It is computed once for a
@@ -230,14 +233,6 @@ impl Maze {
 }
 
 impl Maze {
-    /// Returns the same cells among walls of another shape, in which the middles of all free cells
-    /// are free.
-    #[must_use]
-    pub(super) fn with_solid(self, solid: Solid) -> Self {
-        let solid = Arc::new(solid);
-        Self { solid, ..self }
-    }
-
     /// Returns the geometry of walls that fill their cells.
     pub(super) fn solid_cells(walls: &Arc<[bool]>, width: u16, cell_size_m: f64) -> Arc<Solid> {
         let width = usize::from(width);

@@ -142,7 +142,7 @@ impl Paths {
         let mut onward: Vec<(Cell, u64)> = directions
             .flat_map(|&direction| {
                 ways.iter().filter_map(move |&(cell, count)| {
-                    let next = maze.neighbour(cell, direction)?;
+                    let next = maze.step(cell, direction)?;
                     (self.distance[maze.index(next)] == left).then_some((next, count))
                 })
             })
@@ -169,7 +169,7 @@ fn search(maze: &Maze) -> Vec<u32> {
         let mut far = Vec::new();
         for &cell in &near {
             for &direction in maze.moves().directions() {
-                let Some(next) = maze.neighbour(cell, direction) else {
+                let Some(next) = maze.step(cell, direction) else {
                     continue;
                 };
                 let known = &mut distance[maze.index(next)];

@@ -8,6 +8,7 @@ mod assumed;
 mod estimator;
 mod field;
 mod mapper;
+mod obstacles;
 mod slip;
 mod surroundings;
 #[cfg(test)]
@@ -21,6 +22,7 @@ use self::estimator::Estimator;
 pub use self::estimator::FilterState;
 pub use self::field::{Field, Surface};
 use self::mapper::cell_of;
+pub use self::obstacles::Obstacles;
 pub use self::surroundings::Surroundings;
 use crate::{Readings, Return, Robot};
 
@@ -29,6 +31,7 @@ use crate::{Readings, Return, Robot};
 pub struct Onboard {
     estimator: Estimator,
     surroundings: Surroundings,
+    obstacles: Obstacles,
     every_nth_beam: u32,
     /// The beams of a step that are used.
     taken: Vec<Return>,
@@ -46,6 +49,7 @@ impl Onboard {
         Self {
             estimator: Estimator::new(robot),
             surroundings: Surroundings::unknown([0; 2]),
+            obstacles: Obstacles::default(),
             every_nth_beam: robot.estimator.use_every_nth_beam,
             taken: Vec::new(),
             bumped: [false; 2],
@@ -74,6 +78,7 @@ impl Onboard {
     /// Begins an action. Clears the local map, so that an observation error cannot persist.
     pub fn begin_action(&mut self) {
         self.surroundings.forget(self.cell());
+        self.obstacles.forget();
         self.estimator.begin_action();
     }
 
@@ -88,9 +93,12 @@ impl Onboard {
             ..*readings
         };
         self.estimator.step(&taken);
+        let (size_m, ranges_m) = (self.cell_size_m, self.assumed_ranges_m);
         for ray in self.estimator.rays(&self.taken) {
-            let (size_m, ranges_m) = (self.cell_size_m, self.assumed_ranges_m);
-            mapper::mark(&mut self.surroundings, &ray, size_m, ranges_m);
+            match self.estimator.map() {
+                Some(map) => self.obstacles.see(map, &ray, ranges_m[0]),
+                None => mapper::mark(&mut self.surroundings, &ray, size_m, ranges_m),
+            }
         }
         self.surroundings.stand_in(self.cell());
         self.bumped = readings.bumped;
@@ -137,7 +145,12 @@ impl Onboard {
         self.over_marker
     }
 
-    /// Returns the cells around the robot, as observed in this action.
+    /// Returns what was observed in this action and is not in the map; nothing without a map.
+    pub fn obstacles(&self) -> &Obstacles {
+        &self.obstacles
+    }
+
+    /// Returns the cells around the robot, as observed in this action. Empty with a map.
     pub fn surroundings(&self) -> &Surroundings {
         &self.surroundings
     }
@@ -147,9 +160,15 @@ impl Onboard {
         self.estimator.filter()
     }
 
-    /// Restores a state of the filter, and the observed surroundings.
-    pub fn restore(&mut self, filter: FilterState, surroundings: Surroundings) {
+    /// Restores a state of the filter, and what was observed.
+    pub fn restore(
+        &mut self,
+        filter: FilterState,
+        surroundings: Surroundings,
+        obstacles: Obstacles,
+    ) {
         self.estimator.set_filter(filter);
         self.surroundings = surroundings;
+        self.obstacles = obstacles;
     }
 }

@@ -44,6 +44,8 @@ impl Agreement {
             ..params.clone()
         };
         let range_m = params.lidar.range_m;
+        let fitted = maze.for_robot(params.needed_m());
+        let maze = fitted.as_ref().unwrap_or(maze);
         let mut arena = PhysicsArena::new(maze.clone(), params, 1)?;
         let cells: Vec<Cell> = maze
             .free_cells()

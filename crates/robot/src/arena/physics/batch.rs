@@ -1,6 +1,7 @@
 //! Several robots in copies of one maze, without interaction.
 
-use super::{PhysicsArena, PhysicsError, PhysicsParams, blocks, check_fit, simulation};
+use super::fit::fitted;
+use super::{PhysicsArena, PhysicsError, PhysicsParams, blocks, simulation};
 use crate::arena::{Arena, Outcome, View};
 use crate::world::{Cell, Maze};
 use xcs::Action;
@@ -38,7 +39,7 @@ impl BatchArena {
     /// The same as [`PhysicsArena::new`].
     pub fn new(maze: &Maze, params: &PhysicsParams, seeds: &[u64]) -> Result<Self, PhysicsError> {
         params.check()?;
-        check_fit(maze, params)?;
+        let maze = &fitted(maze, params)?;
         let walls = simulation::walls(&blocks(maze)?, maze.solid());
         let arena = |&seed| PhysicsArena::among(walls.clone(), maze.clone(), params.clone(), seed);
         let mut batch = Self {

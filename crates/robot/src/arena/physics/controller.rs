@@ -23,7 +23,8 @@ pub(super) struct Maneuver {
     phase: Phase,
     home: Point2<f64>,
     target: Point2<f64>,
-    cell_size_m: f64,
+    /// A wall stops the robot only if it is farther than this from the target, in metres.
+    settled_m: f64,
     /// Unit vector of travel.
     along: Vector2<f64>,
     /// 1 when driving forward, -1 when driving backward.
@@ -32,11 +33,12 @@ pub(super) struct Maneuver {
 
 impl Maneuver {
     /// Plans a move from `home`, the middle of a cell, by one cell along the unit vector `along`.
-    /// The robot drives forward or backward, whichever needs the smaller turn.
+    /// The robot drives forward or backward, whichever needs the smaller turn. A wall that it
+    /// touches within `settled_m` of the target does not keep it from the target.
     pub(super) fn new(
         home: Point2<f64>,
         along: Vector2<f64>,
-        cell_size_m: f64,
+        [cell_size_m, settled_m]: [f64; 2],
         seen: &Motion,
     ) -> Self {
         let heading = seen.pose.rotation * Vector2::x();
@@ -44,17 +46,17 @@ impl Maneuver {
             phase: Phase::Turn,
             home,
             target: home + along * cell_size_m,
-            cell_size_m,
+            settled_m,
             along,
             facing: if heading.dot(&along) < 0.0 { -1.0 } else { 1.0 },
         }
     }
 
-    /// Returns true if a wall ahead would keep the robot from reaching the next cell. Past the
-    /// border of that cell the answer is false: a contact there means that the robot overshot and
-    /// touched the wall behind the cell.
+    /// Returns true if a wall ahead would keep the robot from reaching the next cell. Near the
+    /// target the answer is false: a contact there means that the robot overshot and touched the
+    /// wall behind the cell.
     pub(super) fn is_stopped_by_walls(&self, seen: &Motion) -> bool {
-        self.phase == Phase::Drive && self.ahead(seen) > 0.5 * self.cell_size_m
+        self.phase == Phase::Drive && self.ahead(seen) > self.settled_m
     }
 
     /// Returns true once the robot has hit a wall.

@@ -57,6 +57,21 @@ pub enum PhysicsError {
         /// allowed value of `physics.radius_m`.
         largest_radius_m: Option<f64>,
     },
+    /// No way of the map from the start to a goal is wide enough for the robot, along the cells.
+    #[error(
+        "the robot does not fit into world `{world}`: it needs {needed_m:.3} m on each side of its middle, and no moves from the start to a goal leave that{}",
+        place(narrowest.as_ref())
+    )]
+    NoWay {
+        /// The world's name.
+        world: String,
+        /// The radius of the disc that must stay clear: the robot's radius and `physics.arrival_m`,
+        /// in metres.
+        needed_m: f64,
+        /// The narrowest place of the widest way: the place in the map frame, and its width, in
+        /// metres. `None` if there is no way.
+        narrowest: Option<([f64; 2], f64)>,
+    },
     /// The world is too wide: the engine's single precision could not resolve a millimetre.
     #[error(
         "world `{world}` is {extent_m:.0} m wide, more than the {limit_m:.0} m that can be simulated; use smaller cells (`cell_size_m`), or `--arena grid`"
@@ -81,4 +96,13 @@ pub enum PhysicsError {
         /// The largest number allowed.
         limit: usize,
     },
+}
+
+/// Describes the narrowest place of the widest way.
+fn place(narrowest: Option<&([f64; 2], f64)>) -> String {
+    narrowest.map_or_else(String::new, |([x, y], width_m)| {
+        format!(
+            "; the widest way is {width_m:.2} m wide at {x:.2}, {y:.2} m; convert the map with smaller cells, or take a smaller robot"
+        )
+    })
 }

@@ -3,16 +3,51 @@
 use super::{PhysicsError, PhysicsParams};
 use crate::world::{Cell, Direction, Maze};
 
-/// Accepts a robot that fits into every cell.
+/// Accepts a robot that fits into a world.
 ///
-/// The robot drives along the middles of cells. In a cell next to a wall it has half a cell to that
-/// wall. It needs its radius plus the distance at which a move counts as finished
-/// ([`PhysicsParams::arrival_m`]).
+/// In a maze the robot drives along the middles of cells. In a cell next to a wall it has half a
+/// cell to that wall. It needs its radius plus the distance at which a move counts as finished
+/// ([`PhysicsParams::arrival_m`]). In a world from a map it needs as much on every side along the
+/// moves from the start to a goal.
 ///
 /// # Errors
-/// [`PhysicsError::TooNarrow`] with the first cell that is next to a wall.
+/// [`PhysicsError::TooNarrow`] with the first cell that is next to a wall, or
+/// [`PhysicsError::NoWay`] with the narrowest place.
 pub fn check_fit(maze: &Maze, params: &PhysicsParams) -> Result<(), PhysicsError> {
-    let needed_m = params.radius_m + params.arrival_m;
+    match maze.is_from_map() {
+        true => fitted(maze, params).map(|_| ()),
+        false => check_cells(maze, params),
+    }
+}
+
+/// Returns a world in which the robot fits along every move.
+///
+/// # Errors
+/// Those of [`check_fit`].
+pub(super) fn fitted(maze: &Maze, params: &PhysicsParams) -> Result<Maze, PhysicsError> {
+    let needed_m = params.needed_m();
+    let Some(clear_m) = maze.clear_radius_m() else {
+        return check_cells(maze, params).map(|()| maze.clone());
+    };
+    if clear_m >= needed_m {
+        return Ok(maze.clone());
+    }
+    maze.for_robot(needed_m).ok_or_else(|| {
+        let ends = maze.starts().next().zip(maze.goals().first().copied());
+        let narrowest = ends.and_then(|(start, goal)| {
+            let ends = [start, goal].map(|cell| maze.centre_in_grid(cell));
+            maze.solid().narrowest_between(ends)
+        });
+        PhysicsError::NoWay {
+            world: maze.name().to_owned(),
+            needed_m,
+            narrowest: narrowest.map(|it| (maze.point_in_map(it.at).into(), it.width_m)),
+        }
+    })
+}
+
+fn check_cells(maze: &Maze, params: &PhysicsParams) -> Result<(), PhysicsError> {
+    let needed_m = params.needed_m();
     let distance_m = maze.cell_size_m() / 2.0;
     if distance_m >= needed_m {
         return Ok(());

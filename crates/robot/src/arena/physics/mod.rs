@@ -112,7 +112,7 @@ impl PhysicsArena {
     /// cells too small for the robot, too many walls, or a side of more than 4,096 m.
     pub fn new(maze: Maze, params: PhysicsParams, seed: u64) -> Result<Self, PhysicsError> {
         params.check()?;
-        check_fit(&maze, &params)?;
+        let maze = fit::fitted(&maze, &params)?;
         let walls = simulation::walls(&blocks(&maze)?, maze.solid());
         Ok(Self::among(walls, maze, params, seed))
     }
@@ -303,8 +303,9 @@ impl Arena for PhysicsArena {
             return outcome;
         }
         let seen = self.measure(self.motion());
-        let (middle, size_m) = (self.maze.centre_in_grid(home), self.maze.cell_size_m());
-        let mut maneuver = Maneuver::new(middle, vector(direction), size_m, &seen);
+        let middle = self.maze.centre_in_grid(home);
+        let lengths_m = lengths_m(&self.maze, &self.params);
+        let mut maneuver = Maneuver::new(middle, vector(direction), lengths_m, &seen);
         let arrived = self.perform(&mut maneuver);
         self.outcome(&maneuver, arrived, home, wanted)
     }
@@ -367,4 +368,16 @@ fn blocks(maze: &Maze) -> Result<Vec<Block>, PhysicsError> {
 fn vector(direction: Direction) -> Vector2<f64> {
     let (east, south) = direction.offset();
     Vector2::new(f64::from(east), f64::from(-south))
+}
+
+/// Returns the length of a move, and the distance from its end within which no wall stops it, in
+/// metres. In a maze the robot that has left its cell can reach the next one. In a world from a map
+/// something may be anywhere on the way.
+fn lengths_m(maze: &Maze, params: &PhysicsParams) -> [f64; 2] {
+    let size_m = maze.cell_size_m();
+    let settled_m = match maze.is_from_map() {
+        true => params.arrival_m,
+        false => 0.5 * size_m,
+    };
+    [size_m, settled_m]
 }

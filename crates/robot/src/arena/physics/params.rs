@@ -167,6 +167,11 @@ impl PhysicsParams {
         (2.0 * (self.radius_m + self.arrival_m) * 1000.0 - 1e-6).ceil() / 1000.0
     }
 
+    /// Returns the radius in metres of the disc that must stay clear around the way of the robot.
+    pub fn needed_m(&self) -> f64 {
+        self.radius_m + self.arrival_m
+    }
+
     /// Returns the approximate duration of a move in cells of this size, in seconds. A move is a
     /// quarter turn, the path at full speed, and the time to accelerate and brake.
     pub fn move_time_s(&self, cell_size_m: f64) -> f64 {

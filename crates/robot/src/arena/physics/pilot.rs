@@ -10,8 +10,8 @@ use super::cautious::profile;
 use super::controller::Maneuver;
 use super::motion::{Motion, Speeds};
 use super::params::PhysicsParams;
-use super::vector;
-use crate::arena::{Estimate, Sample, Sensed, Surroundings, View};
+use super::{lengths_m, vector};
+use crate::arena::{Estimate, Obstacles, Sample, Sensed, Surroundings, View};
 use crate::sensor::Sensor;
 use crate::world::{Cell, Direction, Maze};
 use xcs::Percept;
@@ -46,7 +46,9 @@ pub struct Pilot {
     onboard: Onboard,
     params: PhysicsParams,
     careful: PhysicsParams,
-    cell_size_m: f64,
+    /// The length of a move, and the distance from its end within which no wall stops it, in
+    /// metres.
+    lengths_m: [f64; 2],
     action: Option<Action>,
 }
 
@@ -64,7 +66,7 @@ impl Pilot {
             },
             careful: params.careful(),
             params: params.clone(),
-            cell_size_m,
+            lengths_m: lengths_m(maze, params),
             action: None,
         }
     }
@@ -94,7 +96,7 @@ impl Pilot {
         let middle = self.onboard.middle();
         let seen = Motion::of(pose, speeds);
         self.action = Some(Action {
-            maneuver: Maneuver::new(middle, vector(direction), self.cell_size_m, &seen),
+            maneuver: Maneuver::new(middle, vector(direction), self.lengths_m, &seen),
             home,
             wanted: [home[0] + east, home[1] - south],
         });
@@ -141,8 +143,13 @@ impl Pilot {
     }
 
     /// Restores the state of the onboard computer between two actions.
-    pub(super) fn restore(&mut self, filter: FilterState, surroundings: Surroundings) {
-        self.onboard.restore(filter, surroundings);
+    pub(super) fn restore(
+        &mut self,
+        filter: FilterState,
+        surroundings: Surroundings,
+        obstacles: Obstacles,
+    ) {
+        self.onboard.restore(filter, surroundings, obstacles);
     }
 
     /// Makes the robot drive back to where the manoeuvre started, because of an obstacle.
@@ -192,6 +199,7 @@ impl Pilot {
             contacts: &[],
             sensed: Some(Sensed {
                 surroundings: self.onboard.surroundings(),
+                obstacles: self.onboard.obstacles(),
                 cell,
                 estimates: &[estimate],
                 beams: &[],

@@ -11,7 +11,7 @@ use super::motion::Speeds;
 use super::params::{Localisation, PhysicsParams};
 use super::pilot::{ManeuverEnd, Pilot};
 use super::{PhysicsArena, STEP_NS};
-use crate::arena::{Beam, Estimate, Outcome, Sensed, Surroundings};
+use crate::arena::{Beam, Estimate, Obstacles, Outcome, Sensed, Surroundings};
 use crate::streams::StreamName;
 use crate::world::{Cell, Direction, Maze};
 use xcs::random::Stream;
@@ -40,6 +40,7 @@ pub(super) struct SensingState {
     sensors: SensorState,
     filter: FilterState,
     surroundings: Surroundings,
+    obstacles: Obstacles,
 }
 
 impl Sensing {
@@ -75,14 +76,16 @@ impl Sensing {
             sensors: self.sensors.state(),
             filter: self.pilot.onboard().filter().clone(),
             surroundings: self.pilot.onboard().surroundings().clone(),
+            obstacles: self.pilot.onboard().obstacles().clone(),
         }
     }
 
     /// Restores a snapshot.
     pub(super) fn set_state(&mut self, state: &SensingState) {
         self.sensors.set_state(&state.sensors);
-        let (filter, surroundings) = (state.filter.clone(), state.surroundings.clone());
-        self.pilot.restore(filter, surroundings);
+        let state = state.clone();
+        self.pilot
+            .restore(state.filter, state.surroundings, state.obstacles);
     }
 
     /// Clears the data shown to observers of the last action.
@@ -228,6 +231,7 @@ impl PhysicsArena {
         let (truth, estimate) = (self.motion().pose, sensing.pilot.onboard().estimate().0);
         Some(Sensed {
             surroundings: sensing.pilot.onboard().surroundings(),
+            obstacles: sensing.pilot.onboard().obstacles(),
             cell: self.estimated_grid_cell(sensing.pilot.onboard()),
             estimates: &sensing.estimates,
             beams: &sensing.beams,

@@ -68,6 +68,7 @@ impl Field {
             height: self.side,
             solid: Maze::solid_cells(&walls, self.side, 1.0),
             walls,
+            open: None,
             start: Some(start),
             goals: vec![goal],
             floor: None,

@@ -1,37 +1,43 @@
 //! The cells of an occupancy map, before conversion to a maze.
 
 use std::collections::VecDeque;
-use std::ops::Range;
+use std::f64::consts::FRAC_PI_2;
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 
-use super::raster::{Raster, Sums};
+use super::raster::Raster;
 use super::{MapError, OccupancyMap};
-use crate::world::Maze;
 use crate::world::rows::MAX_SIDE;
+use crate::world::{Maze, Origin, Solid};
 
-/// The tolerance for rounding when comparing borders of cells and pixels, in pixels.
-pub(super) const ROUNDING: f64 = 1e-6;
+/// The tolerance for rounding when comparing lengths, as a share of a cell.
+const ROUNDING: f64 = 1e-6;
 /// The smallest and the largest edge of a cell, in metres, as in world files.
 const CELL_M: std::ops::RangeInclusive<f64> = 0.1..=10.0;
+/// The radius of the smallest robot, in metres, as in the settings.
+const LEAST_RADIUS_M: f64 = 0.02;
 
-/// The alignment of a grid with an image.
+/// The alignment of a grid with an image. All lengths are in metres, and the frame of the image has
+/// its origin in the lower left corner.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     pub cols: usize,
     pub rows: usize,
-    cell_m: f64,
-    /// The edge of a cell in pixels.
-    cell_px: f64,
-    /// The lower left corner of the grid, in pixels to the right and upward from the lower left
-    /// corner of the image. Never more than one cell to the left of it or below it.
-    offset_px: [f64; 2],
+    pub cell_m: f64,
+    /// The pose of the lower left corner of the grid in the frame of the image.
+    pub corner: Origin,
+    /// The lower left corner of the grid, to the right and upward along the grid from the smallest
+    /// grid that covers the image. Never positive.
+    pub offset_m: [f64; 2],
 }
 
 /// The cells of an occupancy map, before conversion to a maze.
 pub(super) struct Cells<'a> {
-    pub raster: &'a Raster<'a>,
+    raster: &'a Raster<'a>,
+    solid: &'a Solid,
     pub layout: Layout,
+    /// The radius of the disc that must stay clear.
+    radius_m: f64,
     /// Row by row from the top.
     pub free: Vec<bool>,
 }
@@ -45,13 +51,13 @@ pub(super) struct Window {
 }
 
 impl Layout {
+    /// Covers an image with cells whose rows are turned by `yaw_rad`.
     pub fn new(
         map: &OccupancyMap,
-        cell_m: Option<f64>,
-        offset_px: [f64; 2],
+        cell_m: f64,
+        yaw_rad: f64,
+        offset_m: [f64; 2],
     ) -> Result<Self, MapError> {
-        let cell_m = cell_m.unwrap_or(map.resolution_m);
-        let cell_px = cell_m / map.resolution_m;
         let fault = |fault: String| Err(MapError::Cell(fault));
         if !CELL_M.contains(&cell_m) {
             return fault(format!(
@@ -60,111 +66,83 @@ impl Layout {
                 CELL_M.end()
             ));
         }
-        if cell_px < 1.0 - ROUNDING {
-            let pixel_m = map.resolution_m;
+        let pixel_m = map.resolution_m;
+        if cell_m / pixel_m < 1.0 - ROUNDING {
             return fault(format!(
                 "a cell of {cell_m} m is smaller than a pixel of {pixel_m} m"
             ));
         }
+        if !(-FRAC_PI_2..=FRAC_PI_2).contains(&yaw_rad) {
+            return fault(format!(
+                "`--rotate` is {} degrees, but must be from -90 to 90",
+                yaw_rad.to_degrees()
+            ));
+        }
         // Shifting a grid by a whole number of cells does not change it.
-        let offset_px = offset_px.map(|pixels| 0.0 - (-pixels).rem_euclid(cell_px));
-        let count = |pixels: usize, offset: f64| {
-            ((pixels as f64 - offset) / cell_px - ROUNDING).ceil() as usize
-        };
-        let cols = count(map.width, offset_px[0]);
-        let rows = count(map.height, offset_px[1]);
+        let offset_m = offset_m.map(|metres| 0.0 - (-metres).rem_euclid(cell_m));
+        let [low, high] = extent(map, yaw_rad);
+        let first = low + Vector2::from(offset_m);
+        let count = |axis: usize| ((high[axis] - first[axis]) / cell_m - ROUNDING).ceil() as usize;
+        let (cols, rows) = (count(0), count(1));
         if cols.max(rows) + 2 > MAX_SIDE {
             return fault(format!(
                 "{cols} x {rows} cells of {cell_m} m are too many: a world has at most {MAX_SIDE} \
                  columns and rows; give a larger `--cell`"
             ));
         }
+        let turned = Origin::from([0.0, 0.0, yaw_rad]);
         Ok(Self {
             cols,
             rows,
             cell_m,
-            cell_px,
-            offset_px,
+            corner: turned.moved(first.into()),
+            offset_m,
         })
     }
 
-    /// Returns the pixels of a cell: columns, and rows from the lower edge. For cells that extend
-    /// beyond the image, the ranges include pixels outside.
-    fn pixels(&self, at: usize) -> [Range<isize>; 2] {
-        self.pixels_between(at, 0.0, 1.0)
-    }
-
-    /// Returns the pixels of a cell from one share of its edge to another.
-    fn pixels_between(&self, at: usize, first: f64, last: f64) -> [Range<isize>; 2] {
-        let range = |number: usize, offset: f64| {
-            let edge = |share: f64| offset + (number as f64 + share) * self.cell_px;
-            let from = (edge(first) + ROUNDING).floor() as isize;
-            from..(edge(last) - ROUNDING).ceil() as isize
-        };
-        let (col, from_below) = (at % self.cols, self.rows - 1 - at / self.cols);
-        [
-            range(col, self.offset_px[0]),
-            range(from_below, self.offset_px[1]),
-        ]
+    /// Returns the middle of a cell in the frame of the image.
+    pub fn middle(&self, at: usize) -> Point2<f64> {
+        let (col, row) = (at % self.cols, at / self.cols);
+        let [x, y] = [col as f64 + 0.5, (self.rows - row) as f64 - 0.5];
+        self.corner
+            .to_map(Point2::new(x * self.cell_m, y * self.cell_m))
     }
 }
 
+/// Returns the lowest and the highest coordinates of an image along a turned grid.
+fn extent(map: &OccupancyMap, yaw_rad: f64) -> [Vector2<f64>; 2] {
+    let grid = Origin::from([0.0, 0.0, yaw_rad]);
+    let [width, height] = [map.width, map.height].map(|pixels| pixels as f64 * map.resolution_m);
+    let corners = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]];
+    let corners = corners.map(|corner| grid.to_grid(corner.into()).coords);
+    let [first, others @ ..] = corners;
+    let low = others.iter().fold(first, |low, corner| low.inf(corner));
+    let high = others.iter().fold(first, |high, corner| high.sup(corner));
+    [low, high]
+}
+
 impl<'a> Cells<'a> {
-    /// Classifies the cells. A cell of `n` pixels is free if at most `tolerated(n)` of its pixels
-    /// are not free.
-    pub fn new(
-        raster: &'a Raster<'a>,
-        layout: Layout,
-        sums: &Sums,
-        tolerated: impl Fn(usize) -> usize,
-    ) -> Self {
-        let mut cells = Self {
+    /// Classifies the cells. A cell is free if a disc of `radius_m` in its middle touches nothing.
+    /// `solid` is the geometry in the frame of the image.
+    pub fn new(raster: &'a Raster<'a>, solid: &'a Solid, layout: Layout, radius_m: f64) -> Self {
+        let is_free = |at| solid.is_clear(layout.middle(at), radius_m);
+        Self {
             raster,
+            solid,
             layout,
-            free: Vec::new(),
-        };
-        let is_free = |at: usize| {
-            let count = layout.pixels(at).map(|range| range.len()).iter().product();
-            let (cols, rows) = cells.pixels(at);
-            count <= sums.free_in(cols, rows) + tolerated(count) && cells.has_free_middle(at)
-        };
-        cells.free = (0..layout.cols * layout.rows).map(is_free).collect();
-        cells
-    }
-
-    /// Returns true if all pixels are free that touch the middle of a cell.
-    fn has_free_middle(&self, at: usize) -> bool {
-        // The range is a little wider than a point.
-        let around = 2.0 * ROUNDING / self.layout.cell_px;
-        let middle = self.layout.pixels_between(at, 0.5 - around, 0.5 + around);
-        let (width, height) = (self.raster.map.width, self.raster.map.height);
-        let [mut cols, rows] = middle.map(|range| range.map(|at| at as usize));
-        cols.all(|col| {
-            let mut up = rows.clone();
-            up.all(|up| col < width && up < height && self.raster.is_free(col, height - 1 - up))
-        })
-    }
-
-    /// Returns the pixels of a cell inside the image: columns, and rows from the top.
-    pub fn pixels(&self, at: usize) -> (Range<usize>, Range<usize>) {
-        let map = self.raster.map;
-        let within = |edge: isize, size: usize| edge.clamp(0, size as isize) as usize;
-        let [cols, below] = self.layout.pixels(at);
-        let height = map.height;
-        (
-            within(cols.start, map.width)..within(cols.end, map.width),
-            height - within(below.end, height)..height - within(below.start, height),
-        )
+            radius_m,
+            free: (0..layout.cols * layout.rows).map(is_free).collect(),
+        }
     }
 
     /// Returns the free cell at a point of the map frame.
     pub fn cell_at(&self, what: &'static str, at_m: [f64; 2]) -> Result<usize, MapError> {
-        let map = self.raster.map;
-        let Layout { cols, rows, .. } = self.layout;
-        let at_px = map.origin.to_grid(at_m.into()) / map.resolution_m;
-        let [left, lower] = self.layout.offset_px;
-        let x = ((at_px.x - left) / self.layout.cell_px).floor();
-        let y = ((at_px.y - lower) / self.layout.cell_px).floor();
+        let Layout {
+            cols, rows, cell_m, ..
+        } = self.layout;
+        let in_image = self.raster.map.origin.to_grid(at_m.into());
+        let at = self.layout.corner.to_grid(in_image) / cell_m;
+        let (x, y) = (at.x.floor(), at.y.floor());
         let fault = |fault: String| Err(MapError::Point { what, at_m, fault });
         let is_inside = (0.0..cols as f64).contains(&x) && (0.0..rows as f64).contains(&y);
         if !is_inside {
@@ -189,17 +167,19 @@ impl<'a> Cells<'a> {
         let nearest = (0..self.free.len())
             .filter(|&other| self.free[other])
             .min_by_key(distance);
-        nearest.map_or("; no cell is free".to_owned(), |free| {
-            let (cols, rows) = self.pixels(free);
-            let [x, y] = self
-                .raster
-                .map
-                .in_map_m((cols.start + cols.end) / 2, (rows.start + rows.end) / 2);
-            format!("; the nearest free cell is at {x:.2},{y:.2}")
-        })
+        nearest.map_or_else(
+            || format!("; no cell is free{}", self.raster.reason()),
+            |free| {
+                let middle = self.raster.map.origin.to_map(self.layout.middle(free));
+                format!(
+                    "; the nearest free cell is at {:.2},{:.2}",
+                    middle.x, middle.y
+                )
+            },
+        )
     }
 
-    /// Returns the free neighbours of a cell.
+    /// Returns the neighbours of a cell to which the disc can move.
     pub fn neighbours(&self, at: usize) -> impl Iterator<Item = usize> + '_ {
         let (col, row) = (at % self.layout.cols, at / self.layout.cols);
         let beside = [
@@ -211,26 +191,38 @@ impl<'a> Cells<'a> {
         beside
             .into_iter()
             .flatten()
-            .filter(|&other| self.free[other])
+            .filter(move |&other| self.is_open(at, other))
     }
 
-    pub fn reached_from(&self, goal: usize) -> Vec<bool> {
+    fn is_open(&self, at: usize, other: usize) -> bool {
+        let ends = [at, other].map(|at| self.layout.middle(at));
+        self.free[other] && self.solid.is_path_clear(ends, self.radius_m)
+    }
+
+    /// Returns for each cell whether it reaches the goal, and the number of moves between such
+    /// cells.
+    pub fn reached_from(&self, goal: usize) -> (Vec<bool>, usize) {
         let mut reached = vec![false; self.free.len()];
         reached[goal] = true;
         let mut next = VecDeque::from([goal]);
+        let mut moves = 0;
         while let Some(at) = next.pop_front() {
             for other in self.neighbours(at) {
+                moves += 1;
                 if !std::mem::replace(&mut reached[other], true) {
                     next.push_back(other);
                 }
             }
         }
-        reached
+        (reached, moves)
     }
 
-    /// Returns the window of all free cells plus a ring of walls.
-    pub fn window(&self) -> Window {
-        let free = || (0..self.free.len()).filter(|&at| self.free[at]);
+    /// Returns the window of all cells that reach the goal for the smallest robot, plus a ring of
+    /// walls.
+    pub fn window(&self, goal: usize) -> Window {
+        let smallest = Self::new(self.raster, self.solid, self.layout, LEAST_RADIUS_M);
+        let (reached, _) = smallest.reached_from(goal);
+        let free = || (0..reached.len()).filter(|&at| reached[at]);
         let span = |places: &dyn Fn(usize) -> usize| {
             let least = free().map(places).min().unwrap_or(0) as isize;
             let most = free().map(places).max().unwrap_or(0) as isize;
@@ -242,32 +234,13 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// Returns the upper left corner of a window in the image, in pixels.
-    pub fn corner_px(&self, window: Window) -> [f64; 2] {
-        let Layout {
-            cell_px, offset_px, ..
-        } = self.layout;
-        let above = self.layout.rows as f64 * cell_px + offset_px[1];
-        let above = above - self.raster.map.height as f64;
-        [
-            offset_px[0] + window.cols[0] as f64 * cell_px,
-            window.rows[0] as f64 * cell_px - above,
-        ]
-    }
-
-    /// Returns the offset of the grid, in metres to the right and upward.
-    pub fn offset_m(&self) -> [f64; 2] {
-        let resolution_m = self.raster.map.resolution_m;
-        self.layout.offset_px.map(|pixels| pixels * resolution_m)
-    }
-
-    /// Returns the lower left corner of a window, in metres to the right and upward from the lower
-    /// left corner of the image.
-    fn corner_m(&self, window: Window) -> Point2<f64> {
+    /// Returns the pose of the lower left corner of a window in the frame of the image.
+    fn corner(&self, window: Window) -> Origin {
         let below = self.layout.rows as isize - window.rows[1];
-        let [left, lower] = self.offset_m();
         let metres = |cells: isize| cells as f64 * self.layout.cell_m;
-        Point2::new(left + metres(window.cols[0]), lower + metres(below))
+        self.layout
+            .corner
+            .moved(Point2::new(metres(window.cols[0]), metres(below)))
     }
 
     /// Builds a maze by writing and reading a world file, so that all of its checks apply.
@@ -297,14 +270,27 @@ impl<'a> Cells<'a> {
         let [left, right] = window.cols;
         let row = |row| (left..right).map(|col| letter(col, row)).collect();
         let rows: Vec<String> = (window.rows[0]..window.rows[1]).map(row).collect();
-        let corner_m = self.corner_m(window);
+        let corner = self.corner(window);
+        let solid = self.raster.solid(corner, self.radius_m);
+        let solid: serde_json::Value =
+            serde_json::from_str(&solid.to_json()).expect("the geometry is written as JSON");
         let world = serde_json::json!({
             "name": name,
             "cell_size_m": self.layout.cell_m,
-            "origin": self.raster.map.origin.moved(corner_m),
+            "origin": in_map(self.raster.map.origin, corner),
             "rows": rows,
+            "solid": solid,
         });
-        let maze = Maze::from_json(world.to_string().as_bytes(), "the converted map")?;
-        Ok(maze.with_solid(self.raster.solid(corner_m)))
+        let world = world.to_string();
+        Ok(Maze::from_json(world.as_bytes(), "the converted map")?)
+    }
+}
+
+/// Converts a pose from the frame of the image to the map frame.
+fn in_map(image: Origin, pose: Origin) -> Origin {
+    let corner = image.moved(Point2::new(pose.x_m, pose.y_m));
+    Origin {
+        yaw_rad: image.yaw_rad + pose.yaw_rad,
+        ..corner
     }
 }

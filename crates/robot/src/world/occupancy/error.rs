@@ -3,11 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::passage::Passage;
-use crate::world::WorldError;
-
-/// The largest number of passages that a message lists.
-const MOST_LISTED: usize = 5;
+use crate::world::{Narrowest, WorldError};
 
 /// The occupancy map cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -55,24 +51,23 @@ pub enum MapError {
     },
     /// No path leads to the goal, from any cell or from the start.
     #[error("no path in the grid leads to the goal{}", narrow(.0))]
-    CutOff(Vec<Passage>),
+    /// With a start: the narrowest place of the widest way, in the map frame; `None` if the map has
+    /// no way.
+    CutOff(Option<Option<Narrowest>>),
     /// The cells do not form a valid world.
     #[error(transparent)]
     World(#[from] WorldError),
 }
 
-/// Lists the passages that are too narrow for a cell, and what to do.
-fn narrow(passages: &[Passage]) -> String {
-    if passages.is_empty() {
-        return ", and the map itself has no path either".to_owned();
+/// Describes the narrowest place of the widest way, and what to do.
+fn narrow(narrowest: &Option<Option<Narrowest>>) -> String {
+    match narrowest {
+        None => "; give a smaller `--cell`".to_owned(),
+        Some(None) => ", and the map itself has no path either".to_owned(),
+        Some(Some(Narrowest { at, width_m })) => format!(
+            ": the widest way is {width_m:.2} m wide at {:.2},{:.2}; give a smaller `--cell`, or widen \
+             the map there",
+            at.x, at.y
+        ),
     }
-    let list = passages.iter().take(MOST_LISTED).map(ToString::to_string);
-    let more = match passages.len().saturating_sub(MOST_LISTED) {
-        0 => String::new(),
-        more => format!(", nor through {more} more passages"),
-    };
-    format!(
-        ": no cell of the grid fits through {}{more}; give a smaller `--cell`, or widen the map there",
-        list.collect::<Vec<_>>().join(", nor through ")
-    )
 }

@@ -8,8 +8,6 @@ mod error;
 mod gridding;
 mod header;
 mod image;
-mod passage;
-mod passages;
 mod placing;
 mod raster;
 mod rules;
@@ -17,11 +15,8 @@ mod writing;
 
 use std::path::Path;
 
-use nalgebra::Point2;
-
 pub use error::MapError;
 pub use gridding::{Gridded, Gridding};
-pub use passage::Passage;
 pub use writing::WrittenMap;
 
 use header::Header;
@@ -122,12 +117,5 @@ impl OccupancyMap {
 
     fn is_free(&self, col: usize, row: usize) -> bool {
         self.at(col, row) == Occupancy::Free
-    }
-
-    /// Returns the middle of a pixel in the map frame, in metres.
-    fn in_map_m(&self, col: usize, row: usize) -> [f64; 2] {
-        let x = (col as f64 + 0.5) * self.resolution_m;
-        let y = (self.height as f64 - row as f64 - 0.5) * self.resolution_m;
-        self.origin.to_map(Point2::new(x, y)).into()
     }
 }

@@ -7,6 +7,10 @@ use nalgebra::Point2;
 use super::{Occupancy, OccupancyMap};
 use crate::world::{Origin, Solid};
 
+/// The width of the solid ring around all free pixels, in pixels. It stops the robot where the image
+/// ends.
+const RING: isize = 2;
+
 /// The pixels of a map: free or not.
 pub(super) struct Raster<'a> {
     pub map: &'a OccupancyMap,
@@ -32,13 +36,21 @@ impl<'a> Raster<'a> {
         raster
     }
 
-    pub fn is_free(&self, col: usize, row: usize) -> bool {
-        self.free[row * self.map.width + col]
+    /// Returns the shape of the walls in the frame of the image, whose origin is in its lower left
+    /// corner.
+    pub fn in_image(&self) -> Solid {
+        let bits = self.free.iter().map(|free| !free).collect();
+        Solid::new(
+            self.map.width,
+            bits,
+            self.map.resolution_m,
+            Origin::default(),
+        )
     }
 
-    /// Returns the true shape of the walls, around all free pixels. `grid_m` is the lower left corner
-    /// of the grid, in metres to the right and upward from the lower left corner of the image.
-    pub fn solid(&self, grid_m: Point2<f64>) -> Solid {
+    /// Returns the shape of the walls around all free pixels, in a grid whose lower left corner has
+    /// this pose in the frame of the image. A disc of `radius_m` is clear on every move.
+    pub fn solid(&self, grid: Origin, radius_m: f64) -> Solid {
         let (width, height) = (self.map.width, self.map.height);
         let row_is_used = |row: &usize| self.free[row * width..][..width].contains(&true);
         let col_is_used = |col: &usize| {
@@ -47,15 +59,36 @@ impl<'a> Raster<'a> {
         };
         let rows = used(height, row_is_used);
         let cols = used(width, col_is_used);
-        let pixel_m = self.map.resolution_m;
+        let corner = [cols.start, height as isize - rows.end].map(|pixels| pixels as f64);
+        let corner = grid.to_grid(Point2::from(corner) * self.map.resolution_m);
         let corner = Origin {
-            x_m: cols.start as f64 * pixel_m - grid_m.x,
-            y_m: (height - rows.end) as f64 * pixel_m - grid_m.y,
-            yaw_rad: 0.0,
+            x_m: corner.x,
+            y_m: corner.y,
+            yaw_rad: 0.0 - grid.yaw_rad,
         };
-        let bits = rows.flat_map(|row| cols.clone().map(move |col| row * width + col));
-        let bits = bits.map(|at| !self.free[at]).collect();
-        Solid::new(cols.len(), bits, pixel_m, corner)
+        let is_solid = |col: isize, row: isize| {
+            // Negative numbers become large ones.
+            let (col, row) = (col as usize, row as usize);
+            col >= width || row >= height || !self.free[row * width + col]
+        };
+        let pixels = rows.flat_map(|row| cols.clone().map(move |col| (col, row)));
+        let bits = pixels.map(|(col, row)| is_solid(col, row)).collect();
+        let mut solid = Solid::new(cols.len(), bits, self.map.resolution_m, corner);
+        solid.radius_m = radius_m;
+        solid
+    }
+
+    /// Explains why no cell is free, for a message; empty if the pixels do not tell.
+    pub fn reason(&self) -> String {
+        if self.free.contains(&true) {
+            return String::new();
+        }
+        let [_, occupied, unknown] = self.map.counts();
+        format!(
+            ": {occupied} of the {} pixels are occupied and {unknown} unknown; check `negate` and \
+             the thresholds of the map, or take unknown pixels as free (`--unknown free`)",
+            self.free.len()
+        )
     }
 
     /// Frees small groups of pixels. Pixels that touch at a corner are connected.
@@ -89,38 +122,10 @@ impl<'a> Raster<'a> {
     }
 }
 
-/// Returns the range of the numbers below `count` for which `is_used` is true somewhere.
-fn used(count: usize, is_used: impl Fn(&usize) -> bool) -> Range<usize> {
+/// Returns the range of the numbers below `count` for which `is_used` is true somewhere, and a few
+/// more on both sides.
+fn used(count: usize, is_used: impl Fn(&usize) -> bool) -> Range<isize> {
     let first = (0..count).find(&is_used).unwrap_or(0);
     let last = (0..count).rev().find(&is_used).unwrap_or(count - 1);
-    first..last + 1
-}
-
-/// A summed-area table: counts the free pixels in any rectangle with four look-ups.
-pub(super) struct Sums {
-    width: usize,
-    /// For each corner of a pixel: the number of free pixels above and to the left of it.
-    sums: Vec<u32>,
-}
-
-impl Sums {
-    pub fn new(raster: &Raster<'_>) -> Self {
-        let width = raster.map.width + 1;
-        let mut sums = vec![0; width * (raster.map.height + 1)];
-        for row in 0..raster.map.height {
-            let mut here = 0;
-            for col in 0..raster.map.width {
-                here += u32::from(raster.is_free(col, row));
-                sums[(row + 1) * width + col + 1] = sums[row * width + col + 1] + here;
-            }
-        }
-        Self { width, sums }
-    }
-
-    /// Returns the number of free pixels in a rectangle.
-    pub fn free_in(&self, cols: Range<usize>, rows: Range<usize>) -> usize {
-        let sum = |col, row| self.sums[row * self.width + col];
-        let plus = sum(cols.end, rows.end) + sum(cols.start, rows.start);
-        (plus - sum(cols.start, rows.end) - sum(cols.end, rows.start)) as usize
-    }
+    first as isize - RING..last as isize + 1 + RING
 }

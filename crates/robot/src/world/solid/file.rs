@@ -13,10 +13,12 @@ use crate::world::source::{Source, quoted};
 
 /// The smallest and the largest edge of a pixel, in metres, as in maps.
 const PIXEL_M: std::ops::RangeInclusive<f64> = 0.001..=10.0;
+/// The smallest and the largest radius of a disc on its way between cells, in metres.
+const RADIUS_M: std::ops::RangeInclusive<f64> = 0.01..=10.0;
 /// The largest number of pixels, as in maps.
 const MAX_PIXELS: usize = 64_000_000;
-const HELP: &str = "`solid` is the true shape of the walls: `pixel_m`, `corner` and `rows`, \
-                    written by `xcscr world convert`; convert the map again";
+const HELP: &str = "`solid` is the true shape of the walls: `pixel_m`, `corner`, `radius_m` and \
+                    `rows`, written by `xcscr world convert`; convert the map again";
 
 /// The value of the key.
 #[derive(Deserialize)]
@@ -24,6 +26,7 @@ const HELP: &str = "`solid` is the true shape of the walls: `pixel_m`, `corner` 
 struct Keys {
     pixel_m: f64,
     corner: Origin,
+    radius_m: f64,
     /// From the top. Each row lists runs of pixels: their number, then `#` if they are solid, or
     /// `.` if they are free.
     rows: Vec<String>,
@@ -59,6 +62,13 @@ impl Solid {
         if let Some(fault) = keys.corner.fault() {
             return Err(format!("`corner`: {fault}"));
         }
+        if !RADIUS_M.contains(&keys.radius_m) {
+            let (least, most) = (RADIUS_M.start(), RADIUS_M.end());
+            return Err(format!(
+                "`radius_m` is {}, but must be from {least} to {most}",
+                keys.radius_m
+            ));
+        }
         let mut bits = Vec::new();
         let mut width = 0;
         for (number, text) in keys.rows.iter().enumerate() {
@@ -76,16 +86,19 @@ impl Solid {
         if bits.is_empty() {
             return Err("it has no rows".to_owned());
         }
-        Ok(Self::new(width, bits.into(), keys.pixel_m, keys.corner))
+        Ok(Self {
+            radius_m: keys.radius_m,
+            ..Self::new(width, bits.into(), keys.pixel_m, keys.corner)
+        })
     }
 
-    /// Requires that the middle of every free cell is free.
+    /// Requires that the disc is clear in the middle of every free cell.
     fn checked(self, maze: &Maze) -> Result<Self, String> {
-        let is_wrong = |&cell: &_| self.is_solid_at(maze.centre_in_grid(cell));
+        let is_wrong = |&cell: &_| !self.is_clear(maze.centre_in_grid(cell), self.radius_m);
         match maze.free_cells().find(is_wrong) {
             None => Ok(self),
             Some(cell) => Err(format!(
-                "the middle of the free cell in column {}, row {} is solid",
+                "the middle of the free cell in column {}, row {} is not clear of walls",
                 cell.col, cell.row
             )),
         }
@@ -99,9 +112,10 @@ impl Solid {
             .map(|row| format!("      \"{}\"", runs(row)))
             .collect();
         format!(
-            "{{\n    \"pixel_m\": {:?},\n    \"corner\": {:?},\n    \"rows\": [\n{}\n    ]\n  }}",
+            "{{\n    \"pixel_m\": {:?},\n    \"corner\": {:?},\n    \"radius_m\": {:?},\n    \"rows\": [\n{}\n    ]\n  }}",
             self.pixel_m,
             <[f64; 3]>::from(self.corner),
+            self.radius_m,
             rows.join(",\n"),
         )
     }
@@ -143,7 +157,7 @@ mod tests {
         Maze::from_json(text.as_bytes(), "hall.json").map_err(|error| error.to_string())
     }
 
-    const GOOD: &str = r#"{ "pixel_m": 0.5, "corner": [0.5, 0.5, 0.0],
+    const GOOD: &str = r#"{ "pixel_m": 0.5, "corner": [0.5, 0.5, 0.0], "radius_m": 0.3,
         "rows": ["6#", "1#4.1#", "1#4.1#", "6#"] }"#;
 
     #[test]
@@ -179,12 +193,13 @@ mod tests {
             ("6#", "99999999999#", "more than 64000000 pixels"),
             ("6#", "", "row 1 has 0 pixels"),
             ("0.5,", "0,", "`pixel_m` is 0"),
+            ("0.3,", "0,", "`radius_m` is 0"),
             ("[0.5, 0.5, 0.0]", "[0.5, 0.5]", "invalid length 2"),
             ("[0.5, 0.5, 0.0]", "[0.5, 0.5, 99.0]", "`corner`"),
             (
                 "[0.5, 0.5, 0.0]",
                 "[1.5, 0.5, 0.0]",
-                "column 1, row 1 is solid",
+                "column 1, row 1 is not clear",
             ),
             ("corner", "edge", "unknown field `edge`"),
             (

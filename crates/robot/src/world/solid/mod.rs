@@ -5,15 +5,18 @@
 //! free space. Lengths are in metres of the grid frame.
 
 mod blocks;
+mod clear;
 mod distance;
 mod file;
 mod surface;
+mod way;
 
 use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Isometry2, Point2, Vector2};
 
 pub use blocks::Block;
+pub use way::Narrowest;
 
 use super::Origin;
 
@@ -27,6 +30,8 @@ pub struct Solid {
     pub(super) pixel_m: f64,
     /// The pose of the lower left corner in the grid frame.
     pub(super) corner: Origin,
+    /// The radius in metres of the disc that stays clear on every move between cells; 0 in a maze.
+    pub(super) radius_m: f64,
     /// Row by row from the top: the squared distance to the nearest solid pixel, between middles,
     /// in pixels.
     squares: OnceLock<Arc<[u32]>>,
@@ -34,7 +39,7 @@ pub struct Solid {
 
 impl PartialEq for Solid {
     fn eq(&self, other: &Self) -> bool {
-        let place = |one: &Self| (one.width, one.height, one.pixel_m, one.corner);
+        let place = |one: &Self| (one.width, one.pixel_m, one.corner, one.radius_m);
         place(self) == place(other) && self.bits == other.bits
     }
 }
@@ -49,6 +54,7 @@ impl Solid {
             bits,
             pixel_m,
             corner,
+            radius_m: 0.0,
             squares: OnceLock::new(),
         }
     }
@@ -137,14 +143,18 @@ impl Solid {
 
     /// Returns the distance between the middles of a pixel and of the nearest solid one, in pixels.
     fn pixels_to_solid(&self, col: i32, row: i32) -> f64 {
+        f64::from(self.squares_to_solid([col, row])).sqrt()
+    }
+
+    /// Returns the square of this distance.
+    fn squares_to_solid(&self, [col, row]: [i32; 2]) -> u32 {
         if self.is_solid(col, row) {
-            return 0.0;
+            return 0;
         }
         let squares = self
             .squares
             .get_or_init(|| distance::squares(self.width, &self.bits).into());
-        let at = (self.height - 1 - row as usize) * self.width + col as usize;
-        f64::from(squares[at]).sqrt()
+        squares[(self.height - 1 - row as usize) * self.width + col as usize]
     }
 
     /// Returns the column and row of the pixel that contains a point of the raster, or would.

@@ -6,7 +6,7 @@ use xcscr_sensing::{Field, Surface};
 use super::Solid;
 
 /// Surfaces farther from a point than this, in metres, are not near it.
-const NEAR_M: f64 = 0.3;
+const NEAR_M: f64 = 1.0;
 
 impl Field for Solid {
     fn nearest(&self, point_m: Vector2<f64>) -> Option<Surface> {
@@ -17,8 +17,10 @@ impl Field for Solid {
         }
         let side = |near: Option<Side>| near.map_or(f64::INFINITY, |near| near.square);
         let rings = (NEAR_M / self.pixel_m).ceil() as i32 + 1;
+        // A pixel on a ring is at most a diagonal of the ring away.
+        let first = self.pixels_to_solid(col, row) * std::f64::consts::FRAC_1_SQRT_2;
         let mut nearest: Option<Side> = None;
-        for ring in 0..=rings {
+        for ring in first as i32..=rings {
             // Sides of pixels beyond this ring are farther away than so many pixels.
             let beyond = f64::from(ring - 1) * self.pixel_m;
             if ring > 0 && side(nearest) <= beyond * beyond {
@@ -39,6 +41,10 @@ impl Field for Solid {
             normal: turn.map_or(surface.normal, |turn| turn * surface.normal),
             ..surface
         })
+    }
+
+    fn is_solid(&self, point_m: Vector2<f64>) -> bool {
+        self.is_solid_at(point_m.into())
     }
 
     /// The error of a length that is rounded to whole pixels.

@@ -175,6 +175,11 @@ impl Estimator {
         self.map = Some(map);
     }
 
+    /// Returns the map.
+    pub fn map(&self) -> Option<&dyn Field> {
+        self.map.as_deref()
+    }
+
     /// Puts the robot down at rest, within a centimetre of `pose`. The calibration of the sensors
     /// stays.
     pub fn put_down(&mut self, pose: Isometry2<f64>) {
