@@ -56,7 +56,7 @@ pub struct Beam {
 pub struct Sensed<'a> {
     /// The cells around the robot, as estimated from the lidar.
     pub surroundings: &'a Surroundings,
-    /// What the lidar sees that is not in the map; nothing in a maze.
+    /// Evidence about obstacles that are not in the map; nothing in a maze.
     pub obstacles: &'a Obstacles,
     /// The robot's estimated cell in the grid. The robot knows the size of the grid but not its
     /// walls, so this cell may be a wall.
@@ -70,19 +70,17 @@ pub struct Sensed<'a> {
     pub mislocalised: bool,
 }
 
-/// The width of the path in which obstacles are looked for, as a share of the disc of the world. It
-/// is below 1 because ranges are noisy.
-const NARROWER: f64 = 0.9;
+/// The width of the path in which obstacles are looked for, as a share of the path that is clear in
+/// the map. Noisy beams to the walls beside the path then end outside of it.
+const NARROWER: f64 = 0.5;
 
 impl Sensed<'_> {
-    /// Returns true if an obstacle that is not in the map bars a step, from the cell at an offset to
-    /// the east and to the north of the estimated cell, by a step to the east and to the north.
-    pub fn is_blocked(&self, maze: &Maze, at: [i32; 2], step: [i32; 2]) -> bool {
-        let middle = maze.centre_in_grid(self.cell).coords;
-        let metres = |cells: [i32; 2]| Vector2::from(cells.map(f64::from)) * maze.cell_size_m();
-        let from = middle + metres(at);
-        let radius_m = NARROWER * maze.clear_radius_m().unwrap_or(0.0);
-        self.obstacles
-            .are_on_path([from, from + metres(step)], radius_m)
+    /// Returns true if an obstacle that is not in the map bars a move from the estimated cell, by a
+    /// step to the east and to the north.
+    pub fn is_blocked(&self, maze: &Maze, step: [i32; 2]) -> bool {
+        let from = maze.centre_in_grid(self.cell).coords;
+        let way = Vector2::from(step.map(f64::from)) * maze.cell_size_m();
+        let half_width_m = NARROWER * maze.clear_radius_m().unwrap_or(0.0);
+        self.obstacles.are_on_path([from, from + way], half_width_m)
     }
 }

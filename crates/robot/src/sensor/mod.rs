@@ -214,10 +214,11 @@ impl Sensor {
         let sensed = view.sensed.filter(|_| self.is_sensed());
         match sensed {
             Some(sensed) if maze.is_from_map() => {
-                // As in a costmap: a layer from the map, and a layer from the scan.
+                // As in a costmap: a layer from the map, and a layer from the scan, which covers the
+                // moves from the robot's cell.
                 let is_open = |at, step| {
                     lidar::is_open(maze, sensed.cell, at, step)
-                        && !sensed.is_blocked(maze, at, step)
+                        && (at != [0, 0] || !sensed.is_blocked(maze, step))
                 };
                 self.by_lidar(&is_open, maze, sensed.cell)
             }

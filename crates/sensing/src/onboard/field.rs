@@ -10,9 +10,6 @@ pub trait Field: Debug + Send + Sync {
     /// Returns the surface nearest to a point of the grid frame; `None` if none is near.
     fn nearest(&self, point_m: Vector2<f64>) -> Option<Surface>;
 
-    /// Returns true if a point of the grid frame is inside a wall.
-    fn is_solid(&self, point_m: Vector2<f64>) -> bool;
-
     /// Returns the standard deviation of the surfaces in the map from those of the walls, in metres.
     fn deviation_m(&self) -> f64;
 }

@@ -95,9 +95,9 @@ impl Onboard {
         self.estimator.step(&taken);
         let (size_m, ranges_m) = (self.cell_size_m, self.assumed_ranges_m);
         for ray in self.estimator.rays(&self.taken) {
-            match self.estimator.map() {
-                Some(map) => self.obstacles.see(map, &ray, ranges_m[0]),
-                None => mapper::mark(&mut self.surroundings, &ray, size_m, ranges_m),
+            match self.estimator.has_map() {
+                true => self.obstacles.see(&ray, ranges_m),
+                false => mapper::mark(&mut self.surroundings, &ray, size_m, ranges_m),
             }
         }
         self.surroundings.stand_in(self.cell());
@@ -145,7 +145,7 @@ impl Onboard {
         self.over_marker
     }
 
-    /// Returns what was observed in this action and is not in the map; nothing without a map.
+    /// Returns the beams of this action as evidence about obstacles; nothing without a map.
     pub fn obstacles(&self) -> &Obstacles {
         &self.obstacles
     }

@@ -1,126 +1,110 @@
-//! What the lidar sees that is not in the map.
+//! What the lidar sees on a path that is clear in the map.
 
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::estimator::Ray;
-use super::field::Field;
 
-/// A beam that ends nearer than this to a surface of the map, in metres, ends at this surface: a
-/// constant part, and a share of the range.
-const EXPLAINED_M: f64 = 0.1;
-const EXPLAINED_SHARE: f64 = 0.05;
-/// Two beams that end nearer to each other than this, in metres, end at the same obstacle. A single
-/// beam may be wrong.
-const SAME_M: f64 = 0.1;
+/// The smallest cosine of the angle between a path and a beam along it: 25 degrees. Beams to the
+/// walls beside the path are no evidence about it.
+const ALONG: f64 = 0.9;
+/// The number of beams that must end on a path, because a single one may be wrong.
+const ENOUGH: usize = 2;
 
-/// The ends of the beams of the last action that ended at no surface of the map.
+/// The beams of the last action.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Obstacles {
-    points: Vec<Vector2<f64>>,
+    /// The first and the last point of each beam in the grid frame, in metres.
+    beams: Vec<[Vector2<f64>; 2]>,
 }
 
 impl Obstacles {
     /// Forgets everything.
     pub(crate) fn forget(&mut self) {
-        self.points.clear();
+        self.beams.clear();
     }
 
-    /// Adds the end of a beam, unless the map explains it. A beam that hit something too near to be
-    /// measured ends after `nearest_m`.
-    pub(crate) fn see(&mut self, map: &dyn Field, ray: &Ray, nearest_m: f64) {
-        let Some(range) = ray.range.map(|range| range.max(nearest_m)) else {
-            return;
+    /// Adds a beam. A beam that hit something too near to be measured ends after `nearest_m`, and a
+    /// beam that does not come back after `lost_m`.
+    pub(crate) fn see(&mut self, ray: &Ray, [nearest_m, lost_m]: [f64; 2]) {
+        let range = ray.range.map_or(lost_m, |range| range.max(nearest_m));
+        self.beams
+            .push([ray.origin, ray.origin + range * ray.direction]);
+    }
+
+    /// Returns true if something is on a path of this half width between two points of the grid
+    /// frame: more beams along the path end on it than pass its end.
+    pub fn are_on_path(&self, ends_m: [Vector2<f64>; 2], half_width_m: f64) -> bool {
+        let way = ends_m[1] - ends_m[0];
+        let length = way.norm();
+        let along = way / length;
+        // The distances along the path and to its left.
+        let in_path = |point: Vector2<f64>| {
+            let offset = point - ends_m[0];
+            [offset.dot(&along), along.perp(&offset)]
         };
-        let end = ray.origin + range * ray.direction;
-        let explained = EXPLAINED_M + EXPLAINED_SHARE * range;
-        let is_explained = match map.nearest(end) {
-            Some(surface) => surface.distance_m < explained,
-            None => map.is_solid(end),
-        };
-        if !is_explained {
-            self.points.push(end);
+        let (mut ended, mut passed) = (0, 0);
+        for &[from, to] in &self.beams {
+            let beam = to - from;
+            if beam.dot(&along) < ALONG * beam.norm() {
+                continue;
+            }
+            let ([first, first_left], [last, last_left]) = (in_path(from), in_path(to));
+            if last < length {
+                ended += usize::from(last > 0.0 && last_left.abs() < half_width_m);
+            } else if first < length {
+                let share = (length - first) / (last - first);
+                let left = first_left + share * (last_left - first_left);
+                passed += usize::from(left.abs() < half_width_m);
+            }
         }
-    }
-
-    /// Returns true if a disc would touch an obstacle while its middle moves straight between two
-    /// points of the grid frame.
-    pub fn are_on_path(&self, ends_m: [Vector2<f64>; 2], radius_m: f64) -> bool {
-        let [from, to] = ends_m;
-        let (way, length) = (to - from, (to - from).norm_squared());
-        let is_on_path = |point: &&Vector2<f64>| {
-            let share = ((*point - from).dot(&way) / length).clamp(0.0, 1.0);
-            (*point - from - share * way).norm_squared() < radius_m * radius_m
-        };
-        let mut on_path = self.points.iter().filter(is_on_path);
-        let mut before: Vec<Vector2<f64>> = Vec::new();
-        on_path.any(|point| {
-            let is_same = |other: &Vector2<f64>| (point - other).norm_squared() < SAME_M * SAME_M;
-            let agrees = before.iter().any(is_same);
-            before.push(*point);
-            agrees
-        })
+        ended >= ENOUGH && ended > passed
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::onboard::field::Surface;
 
-    /// A wall at x = 2, solid beyond it.
-    #[derive(Debug)]
-    struct Wall;
+    const PATH: [Vector2<f64>; 2] = [Vector2::new(0.0, 0.0), Vector2::new(1.0, 0.0)];
 
-    impl Field for Wall {
-        fn nearest(&self, point_m: Vector2<f64>) -> Option<Surface> {
-            let distance_m = 2.0 - point_m.x;
-            let normal = -Vector2::x();
-            (distance_m.abs() < 0.3).then_some(Surface { normal, distance_m })
-        }
-
-        fn deviation_m(&self) -> f64 {
-            0.0
-        }
-
-        fn is_solid(&self, point_m: Vector2<f64>) -> bool {
-            point_m.x > 2.0
-        }
-    }
-
-    /// Beams from the origin that end at these points.
-    fn seen(ends: &[[f64; 2]]) -> Obstacles {
+    /// Returns true if beams from the origin that end at these points show an obstacle on the path.
+    fn is_blocked(ends: &[[f64; 2]]) -> bool {
         let mut obstacles = Obstacles::default();
         for &end in ends {
             let end = Vector2::from(end);
             let ray = Ray {
                 origin: Vector2::zeros(),
                 direction: end.normalize(),
-                range: Some(end.norm()),
+                range: Some(end.norm()).filter(|&range| range < 5.0),
             };
-            obstacles.see(&Wall, &ray, 0.12);
+            obstacles.see(&ray, [0.12, 3.0]);
         }
-        obstacles
-    }
-
-    const PATH: [Vector2<f64>; 2] = [Vector2::new(0.0, 0.0), Vector2::new(1.0, 0.0)];
-
-    #[test]
-    fn beams_at_the_walls_of_the_map_are_no_obstacles() {
-        for x in [1.85, 2.0, 2.2, 5.0] {
-            assert_eq!(seen(&[[x, 0.1], [x, 0.12]]), Obstacles::default(), "{x}");
-        }
-        assert_ne!(seen(&[[1.7, 0.1]]), Obstacles::default(), "control");
+        obstacles.are_on_path(PATH, 0.2)
     }
 
     #[test]
-    fn two_beams_that_end_near_each_other_on_the_path_are_an_obstacle() {
-        let is_blocked = |ends: &[[f64; 2]]| seen(ends).are_on_path(PATH, 0.2);
-        assert!(is_blocked(&[[0.5, 0.1], [0.5, 0.15]]));
-        assert!(is_blocked(&[[0.5, 0.1], [0.9, 0.9], [0.5, 0.15]]));
+    fn beams_that_end_on_the_path_are_an_obstacle() {
+        assert!(is_blocked(&[[0.5, 0.1], [0.5, 0.0]]));
+        assert!(is_blocked(&[[0.5, 0.1], [0.5, 0.0], [2.0, 0.0]]));
+        assert!(
+            is_blocked(&[[0.05, 0.0], [0.06, 0.0]]),
+            "too near to be measured"
+        );
+    }
+
+    #[test]
+    fn single_beams_and_beams_beside_or_beyond_the_path_are_no_obstacle() {
         assert!(!is_blocked(&[[0.5, 0.1]]), "one beam may be wrong");
-        assert!(!is_blocked(&[[0.5, 0.1], [0.9, 0.1]]), "two may be wrong");
-        assert!(!is_blocked(&[[0.5, 0.25], [0.5, 0.3]]), "beside the path");
-        assert!(!is_blocked(&[[1.3, 0.0], [1.3, 0.05]]), "behind its end");
+        let passed = [[0.5, 0.1], [0.5, 0.0], [2.0, 0.0], [2.0, 0.1]];
+        assert!(!is_blocked(&passed), "as many beams pass");
+        let lost = [[0.5, 0.1], [0.5, 0.0], [9.0, 0.0], [9.0, 0.1]];
+        assert!(!is_blocked(&lost), "as many beams do not come back");
+        assert!(!is_blocked(&[[0.9, 0.25], [0.9, 0.3]]), "beside the path");
+        assert!(!is_blocked(&[[1.1, 0.0], [1.1, 0.1]]), "behind its end");
+        assert!(
+            !is_blocked(&[[0.1, 0.15], [0.1, -0.15]]),
+            "a wall beside the robot"
+        );
     }
 }

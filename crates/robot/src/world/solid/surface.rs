@@ -43,10 +43,6 @@ impl Field for Solid {
         })
     }
 
-    fn is_solid(&self, point_m: Vector2<f64>) -> bool {
-        self.is_solid_at(point_m.into())
-    }
-
     /// The error of a length that is rounded to whole pixels.
     fn deviation_m(&self) -> f64 {
         self.pixel_m / 12.0_f64.sqrt()

@@ -175,9 +175,9 @@ impl Estimator {
         self.map = Some(map);
     }
 
-    /// Returns the map.
-    pub fn map(&self) -> Option<&dyn Field> {
-        self.map.as_deref()
+    /// Returns true if the robot has a map.
+    pub fn has_map(&self) -> bool {
+        self.map.is_some()
     }
 
     /// Puts the robot down at rest, within a centimetre of `pose`. The calibration of the sensors
