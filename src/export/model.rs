@@ -7,7 +7,7 @@ use super::policy::{Policy, Size};
 use super::provenance::{Facts, Robot};
 use super::rays::{self, Ray};
 use crate::disk;
-use crate::world::Maze;
+use crate::world::{Cell, Direction, Maze};
 use xcs::{Action, Condition};
 
 /// The policy as data.
@@ -87,8 +87,20 @@ pub(super) struct Source<'a> {
     ternary: Vec<String>,
     percept: PerceptBits,
     grid: Grid,
+    places: Places,
+    /// In a world from a map: for each row of cells the bits of the open moves.
+    open: Option<Vec<Vec<u8>>>,
+    clear_radius_m: Option<f64>,
     robot: Option<Robot>,
+    assumed_ranges_m: [f64; 2],
     scan: Option<Scan>,
+}
+
+/// Column and row of the start and of each goal.
+#[derive(Serialize)]
+struct Places {
+    start: Option<[u16; 2]>,
+    goals: Vec<[u16; 2]>,
 }
 
 /// A mask of demanded bits and their values, or the least and the greatest number, as literals
@@ -128,8 +140,6 @@ struct Grid {
 #[derive(Serialize)]
 struct Scan {
     reach: usize,
-    nearest_m: f64,
-    lost_range_m: f64,
     rays: Vec<Ray>,
 }
 
@@ -150,7 +160,11 @@ impl<'a> Source<'a> {
                 .collect(),
             percept,
             grid: Grid::new(&provenance.maze),
+            places: Places::new(&provenance.maze),
+            open: open_moves(&provenance.maze),
+            clear_radius_m: provenance.maze.clear_radius_m(),
             robot: provenance.robot,
+            assumed_ranges_m: provenance.assumed_ranges_m,
             scan: Scan::new(provenance),
         }
     }
@@ -199,15 +213,38 @@ impl Grid {
     }
 }
 
+impl Places {
+    fn new(maze: &Maze) -> Self {
+        let place = |cell: Cell| [cell.col, cell.row];
+        Self {
+            start: maze.start().map(place),
+            goals: maze.goals().iter().copied().map(place).collect(),
+        }
+    }
+}
+
+/// Returns for each row of cells the bits of the open moves, clockwise from north; `None` in a maze.
+fn open_moves(maze: &Maze) -> Option<Vec<Vec<u8>>> {
+    let bits = |cell: Cell| {
+        let directions = (0_u8..).zip(Direction::CLOCKWISE);
+        let is_open = |direction| !maze.is_wall(cell) && maze.is_open(cell, direction);
+        directions.fold(0, |bits, (at, way)| bits | u8::from(is_open(way)) << at)
+    };
+    let row = |row| {
+        (0..maze.width())
+            .map(|col| bits(Cell { col, row }))
+            .collect()
+    };
+    maze.is_from_map()
+        .then(|| (0..maze.height()).map(row).collect())
+}
+
 impl Scan {
     /// Returns `None` for a percept that no scan shows.
     fn new(provenance: &Provenance) -> Option<Self> {
         let rays = rays::shown_by(provenance.sensor);
-        let [nearest_m, lost_range_m] = provenance.assumed_ranges_m;
         Some(Self {
             reach: rays.iter().map(Ray::reach).max()?,
-            nearest_m,
-            lost_range_m,
             rays,
         })
     }

@@ -21,12 +21,20 @@ macro_rules! files {
 }
 
 /// The source files that templates include.
-const FILES: [(&str, &str); 16] = files![
+const FILES: [(&str, &str); 29] = files![
     "percept.h",
     "masks.h",
     "ranges.h",
     "decide.h",
     "grid.h",
+    "goals.h",
+    "look_up.h",
+    "bits.h",
+    "from_map.h",
+    "layers.h",
+    "layers_rays.h",
+    "layers_neighbours.h",
+    "layers_percept.h",
     "neighbours.h",
     "lidar.h",
     "scan.h",
@@ -35,6 +43,11 @@ const FILES: [(&str, &str); 16] = files![
     "ranges.py",
     "decide.py",
     "grid.py",
+    "bits.py",
+    "from_map.py",
+    "layers.py",
+    "layers_rays.py",
+    "layers_neighbours.py",
     "neighbours.py",
     "lidar.py",
     "scan.py",

@@ -35,28 +35,3 @@ def pose_of_cell(column, row):
         ORIGIN_X_M + (east_m * ORIGIN_COSINE - north_m * ORIGIN_SINE),
         ORIGIN_Y_M + (east_m * ORIGIN_SINE + north_m * ORIGIN_COSINE),
     )
-
-
-def in_binary(number, bits):
-    """A number as so many bits, the highest first."""
-    return [number >> bit & 1 for bit in reversed(range(bits))]
-
-
-def as_percept(ring, column, row):
-    """A percept in the form that the policy takes: the bits of the cells around, of column and row."""
-    return percept_of(ring + in_binary(column, COLUMN_BITS) + in_binary(row, ROW_BITS))
-
-
-def percept_from_map(column, row, look_up):
-    """The percept of a robot in the middle of a cell; look_up(column, row) returns FREE, WALL or GOAL for a
-    cell of the grid."""
-
-    def state(east, north):
-        """The state of the cell so many cells to the east and to the north; outside of the grid are walls."""
-        at, below = column + east, row - north
-        if WRAPS:
-            at, below = at % COLUMNS, below % ROWS
-        inside = 0 <= at < COLUMNS and 0 <= below < ROWS
-        return look_up(at, below) if inside else WALL
-
-    return as_percept(ring_from_map(state), column, row)

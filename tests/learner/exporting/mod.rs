@@ -1,6 +1,7 @@
 //! Exported policies are compiled or run as their users would, and do what the learner and the simulator do.
 
 mod frame;
+mod layers;
 mod program;
 mod scans;
 
