@@ -194,6 +194,16 @@ fn messages_that_take_far_more_memory_than_bytes_are_no_part_of_a_page() {
     assert!(fault.contains("too many for a page"), "{fault}");
 }
 
+#[test]
+fn drawings_are_not_read_and_do_not_count() {
+    let mut parts = Parts::of(&sample());
+    let trail = parts.messages_on("/scene/trail").next().unwrap();
+    trail.data = vec![0xff; 20 << 20];
+    let bytes = parts.write(mcap::WriteOptions::new().compression(None));
+    let changed = Recording::from_bytes(Path::new("sample.mcap"), bytes).unwrap();
+    assert!(player::page(&changed).unwrap() == player::page(&sample()).unwrap());
+}
+
 const EVIL: &str = "</script><script>alert(1)</script><img src=x onerror=alert(2)>";
 
 /// The sample with hostile facts, reasons and outcomes.

@@ -1,12 +1,13 @@
 //! A recording as a single HTML page that plays it without network access or other files.
 //!
-//! A page contains the recording's facts as JSON (`data.rs`) and a script that draws them. The
+//! A page contains the recording's facts as JSON (`data.rs`, read by `reading.rs`) and a script that draws them. The
 //! page of a run also contains its episodes, packed (`episodes.rs`), and names the most instructive ones (`chapters.rs`). The script's functions that
 //! need no page are in `timeline.mjs`, `words.mjs` and `colours.mjs`; Node tests them (`*.test.mjs`).
 
 mod chapters;
 mod data;
 mod episodes;
+mod reading;
 mod world;
 
 use std::path::PathBuf;
@@ -49,7 +50,7 @@ pub fn page_of_run(
     run: &Recording,
     episodes: &[PathBuf],
 ) -> Result<String, Error> {
-    let chapters = chapters::chapters(run, &data::maze(run)?)?;
+    let chapters = chapters::chapters(run, &reading::maze(run)?)?;
     let mut data = Data::of(drive)?;
     data.set_run(chapters, episodes)?;
     Ok(page_of(&data))

@@ -46,7 +46,7 @@ pub enum Content {
 /// of allowed origins can read the contents.
 ///
 /// ```no_run
-/// use xcscr::record::server::{Content, Server, viewer_links};
+/// use xcscr::replay::server::{Content, Server, viewer_links};
 ///
 /// let mut server = Server::bind(0)?;
 /// let url = server.add("ep-0001.mcap", Content::File("ep-0001.mcap".into()));
