@@ -21,7 +21,7 @@ pub struct ConvertArgs {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Edge of a cell in metres [default: one pixel].
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", value_parser = metres)]
     cell: Option<f64>,
     /// Start of the episodes, in metres in the map frame [default: any free cell].
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
@@ -35,14 +35,16 @@ pub struct ConvertArgs {
     /// Erase groups of at most this many connected occupied or unknown pixels.
     #[arg(long, value_name = "N", default_value_t = 0)]
     despeckle: usize,
-    /// Turn the grid by this angle against the image, in degrees counter-clockwise.
+    /// Turn the grid by this angle against the image, in degrees counter-clockwise, or `auto` for
+    /// the main direction of the walls.
     #[arg(
         long,
-        value_name = "DEG",
-        default_value_t = 0.0,
+        value_name = "auto|DEG",
+        default_value = "0",
+        value_parser = rotation,
         allow_negative_numbers = true
     )]
-    rotate: f64,
+    rotate: Rotation,
     /// Lower left corner of the grid in metres from that of the image, or `auto` for the corner
     /// with the most moves between cells that lead to the goal.
     #[arg(long, value_name = "auto|X,Y", default_value = "auto", value_parser = offset, allow_hyphen_values = true)]
@@ -69,6 +71,27 @@ struct Point([f64; 2]);
 fn point(text: &str) -> Result<Point, String> {
     let point = choices::numbers(text).map(Point);
     point.ok_or_else(|| "expected metres such as 1.5,-0.3".to_owned())
+}
+
+/// The direction of the grid: that of the walls, or an angle in degrees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Rotation {
+    Auto,
+    By(f64),
+}
+
+fn rotation(text: &str) -> Result<Rotation, String> {
+    match (text, choices::numbers(text)) {
+        ("auto", _) => Ok(Rotation::Auto),
+        (_, Some([degrees])) => Ok(Rotation::By(degrees)),
+        _ => Err("expected `auto`, or degrees such as 7.5".to_owned()),
+    }
+}
+
+/// Parses the edge of a cell.
+fn metres(text: &str) -> Result<f64, String> {
+    let metres = choices::numbers(text).map(|[metres]| metres);
+    metres.ok_or_else(|| "expected metres such as 0.5".to_owned())
 }
 
 /// The corner of the grid.
@@ -111,11 +134,15 @@ fn to_world(args: &ConvertArgs, out: &mut Results) -> Result<(), Failure> {
     let preview = preview.map(|path| OutputFile::free(path, args.force));
     let preview = preview.transpose()?;
     let map = OccupancyMap::load(&args.input)?;
+    let walls_rad = map.wall_direction_rad();
     let gridding = Gridding {
         cell_m: args.cell,
         start_m: args.start.map(|Point(at)| at),
         goal_m: args.goal.map(|Point(at)| at),
-        yaw_rad: args.rotate.to_radians(),
+        yaw_rad: match args.rotate {
+            Rotation::Auto => walls_rad,
+            Rotation::By(degrees) => degrees.to_radians(),
+        },
         despeckle: args.despeckle,
         offset_m: match args.offset {
             Offset::Auto => None,
@@ -125,6 +152,17 @@ fn to_world(args: &ConvertArgs, out: &mut Results) -> Result<(), Failure> {
         name: world_name(&args.output),
     };
     print_map(&map, args.unknown, out)?;
+    if walls_rad != 0.0 {
+        let hint = match args.rotate {
+            Rotation::Auto => "the grid is turned as well",
+            Rotation::By(_) => "`--rotate auto` turns the grid as well",
+        };
+        writeln!(
+            out,
+            "        most walls are turned by {:.1} degrees against the image: {hint}",
+            walls_rad.to_degrees()
+        )?;
+    }
     let gridded = gridding.of(&map)?;
     if let Some(file) = preview {
         let png = map_preview(&gridded.maze, &map)
@@ -132,7 +170,7 @@ fn to_world(args: &ConvertArgs, out: &mut Results) -> Result<(), Failure> {
         file.write(&png)?;
     }
     world.write(gridded.maze.to_json().as_bytes())?;
-    print_world(&gridded, &args.output, out)
+    print_world(&gridded, args, out)
 }
 
 /// Derives a valid world name from the file name.
@@ -175,8 +213,8 @@ fn print_map(map: &OccupancyMap, unknown: Unknown, out: &mut Results) -> Result<
     Ok(())
 }
 
-fn print_world(gridded: &Gridded, file: &Path, out: &mut Results) -> Result<(), Failure> {
-    let maze = &gridded.maze;
+fn print_world(gridded: &Gridded, args: &ConvertArgs, out: &mut Results) -> Result<(), Failure> {
+    let (maze, file) = (&gridded.maze, &args.output);
     writeln!(
         out,
         "world   {} x {} cells of {} m, {} free: {}",
@@ -192,6 +230,23 @@ fn print_world(gridded: &Gridded, file: &Path, out: &mut Results) -> Result<(), 
             out,
             "        the grid begins {x:.3},{y:.3} m from the corner of the image"
         )?;
+    }
+    let asked = [args.start, args.goal].map(|asked| asked.map(|Point(at)| at));
+    let cells = [maze.start(), maze.goals().first().copied()];
+    for ((name, asked), cell) in ["start", "goal"].into_iter().zip(asked).zip(cells) {
+        if let Some((cell, asked)) = cell.zip(asked) {
+            let middle = maze.centre_m(cell);
+            let moved_m = (middle - nalgebra::Point2::from(asked)).norm();
+            writeln!(
+                out,
+                "{name:7} {:.3},{:.3} m, the middle of its cell, {moved_m:.3} m from the given point",
+                middle.x, middle.y
+            )?;
+        }
+    }
+    if gridded.erased > 0 {
+        let count = gridded.erased;
+        writeln!(out, "        {count} pixels were erased as noise")?;
     }
     if gridded.cut_off > 0 {
         let count = gridded.cut_off;
@@ -226,7 +281,7 @@ fn refuse_options_of_maps(args: &ConvertArgs) -> Result<(), Failure> {
         ("--start", args.start.is_some()),
         ("--goal", args.goal.is_some()),
         ("--unknown free", args.unknown == Unknown::Free),
-        ("--rotate", args.rotate != 0.0),
+        ("--rotate", args.rotate != Rotation::By(0.0)),
         ("--despeckle", args.despeckle > 0),
         ("--offset", matches!(args.offset, Offset::At(_))),
         ("--preview", args.preview.is_some()),

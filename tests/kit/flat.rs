@@ -13,7 +13,7 @@ pub const PIXEL_M: f64 = 0.05;
 /// The number of pixels along each side.
 const SIZE: [usize; 2] = [160, 120];
 /// The angle between the walls and the image, in radians.
-const TILT_RAD: f64 = 0.13;
+pub const TILT_RAD: f64 = 0.13;
 
 /// The map of the flat, in a folder of its own.
 pub struct Flat(TempDir);
@@ -82,12 +82,17 @@ impl Flat {
 
     /// Converts the map to a world with cells of this size, from the left room to the right one.
     pub fn gridded(&self, cell_m: f64) -> Gridded {
+        self.turned(cell_m, 0.0)
+    }
+
+    /// Converts the map with a grid that is turned against the image.
+    pub fn turned(&self, cell_m: f64, yaw_rad: f64) -> Gridded {
         let gridding = Gridding {
             cell_m: Some(cell_m),
             start_m: Some([1.6, 1.7]),
             goal_m: Some([6.3, 4.2]),
             unknown_is_free: false,
-            yaw_rad: 0.0,
+            yaw_rad,
             despeckle: 0,
             offset_m: None,
             name: "flat".to_owned(),

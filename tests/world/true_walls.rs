@@ -6,7 +6,7 @@ use fnv::FnvHasher;
 use nalgebra::{Point2, Vector2};
 use xcscr::arena::{Agreement, Arena, Localisation, Outcome, PhysicsArena, PhysicsParams};
 use xcscr::sensor::Sensor;
-use xcscr::world::{Direction, Maze};
+use xcscr::world::{Direction, Maze, OccupancyMap};
 use xcscr::xcs::random::Stream;
 
 use crate::kit::flat::{self, Flat};
@@ -49,7 +49,7 @@ fn beams_off(maze: &Maze) -> f64 {
             let along = Vector2::new(angle.cos(), angle.sin());
             let from = maze.centre_in_grid(cell);
             let range_m = xcscr_sensing::cast(maze, from.coords, along, 3.5).unwrap_or(3.5);
-            let true_m = marched_m(maze.centre_m(cell), along, 3.5);
+            let true_m = marched_m(maze.centre_m(cell), maze.vector_in_map(along), 3.5);
             off += u32::from((range_m - true_m).abs() > 0.02);
             count += 1;
         }
@@ -266,5 +266,27 @@ fn a_noisy_robot_does_as_the_open_moves_say_and_perceives_them() {
     assert!(
         wrong <= 3 && other <= 3,
         "{wrong} wrong, {other} others of {moves}"
+    );
+}
+
+#[test]
+fn the_main_direction_of_the_walls_is_found_and_the_grid_follows_it() {
+    let flat = Flat::new();
+    let map = OccupancyMap::load(&flat.yaml()).unwrap();
+    let found_rad = map.wall_direction_rad();
+    assert!((found_rad - flat::TILT_RAD).abs() < 0.01, "{found_rad}");
+    let [straight, turned] = [0.0, found_rad].map(|yaw_rad| flat.turned(0.5, yaw_rad).maze);
+    let cells = |maze: &Maze| maze.free_cells().count();
+    assert!(
+        cells(&turned) > cells(&straight),
+        "along the walls more cells fit"
+    );
+    assert!((turned.origin().yaw_rad - found_rad).abs() < 1e-12);
+    assert!(beams_off(&turned) < 0.01, "{}", beams_off(&turned));
+    let found = Agreement::measure(&turned, &profile("turtlebot3-burger"), Sensor::Lidar).unwrap();
+    assert_eq!(found.wrong_percepts, 0, "{found:?}");
+    assert!(
+        f64::from(found.beams_off) < 0.01 * f64::from(found.beams),
+        "{found:?}"
     );
 }

@@ -41,6 +41,8 @@ pub struct Gridded {
     pub offset_m: [f64; 2],
     /// The number of free cells that became walls because they cannot reach the goal.
     pub cut_off: usize,
+    /// The number of occupied or unknown pixels that were erased as noise.
+    pub erased: usize,
 }
 
 impl Gridding {
@@ -57,6 +59,7 @@ impl Gridding {
                 maze: map.restored(world)?,
                 offset_m: [0.0, 0.0],
                 cut_off: 0,
+                erased: 0,
             }),
             _ => self.placed(map),
         }
@@ -112,6 +115,7 @@ impl Gridding {
             maze: cells.maze(&self.name, start, goal, window)?,
             offset_m: cells.layout.offset_m,
             cut_off,
+            erased: raster.erased,
         })
     }
 }

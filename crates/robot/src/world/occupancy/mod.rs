@@ -4,6 +4,7 @@
 //! maze written as a map.
 
 mod cells;
+mod direction;
 mod error;
 mod gridding;
 mod header;

@@ -16,6 +16,8 @@ pub(super) struct Raster<'a> {
     pub map: &'a OccupancyMap,
     /// Row by row from the top.
     free: Vec<bool>,
+    /// The number of pixels that were erased as noise.
+    pub erased: usize,
 }
 
 impl<'a> Raster<'a> {
@@ -29,6 +31,7 @@ impl<'a> Raster<'a> {
         let mut raster = Self {
             map,
             free: map.occupancies().map(is_free).collect(),
+            erased: 0,
         };
         if speck > 0 {
             raster.despeckle(speck);
@@ -116,6 +119,7 @@ impl<'a> Raster<'a> {
                 }
             }
             if size <= speck {
+                self.erased += size;
                 group.into_iter().for_each(|pixel| self.free[pixel] = true);
             }
         }
