@@ -62,7 +62,7 @@ impl Solid {
             return 0.0;
         }
         // The nearest points of two shapes with straight edges include a corner of one of them.
-        let ends = [from, to].map(|end| self.from_pixel(end, col, row).norm());
+        let ends = [from, to].map(|end| self.offset_from_pixel(end, col, row).norm());
         let corners = [low, high, corner(1, 0), corner(0, 1)];
         let corners = corners.map(|corner| from_segment(corner, [from, to]));
         ends.into_iter()

@@ -108,7 +108,7 @@ impl Solid {
         let [[west, south], [east, north]] = [at - reach, at + reach].map(|at| self.pixel_of(at));
         (south..=north).all(|row| {
             (west..=east).all(|col| {
-                let from_wall = self.from_pixel(at, col, row);
+                let from_wall = self.offset_from_pixel(at, col, row);
                 let is_near = from_wall.norm_squared() < reach_m * reach_m;
                 !is_near
                     || !self.is_solid(col, row)
@@ -118,7 +118,7 @@ impl Solid {
     }
 
     /// Returns the vector from the nearest point of a pixel to a point of the raster.
-    fn from_pixel(&self, at: Point2<f64>, col: i32, row: i32) -> Vector2<f64> {
+    fn offset_from_pixel(&self, at: Point2<f64>, col: i32, row: i32) -> Vector2<f64> {
         let beyond = |at: f64, number: i32| {
             let low = f64::from(number) * self.pixel_m;
             let high = (f64::from(number) + 1.0) * self.pixel_m;

@@ -134,7 +134,7 @@ mod tests {
     fn distance(solid: &Solid, at: Point2<f64>, is_solid: bool) -> f64 {
         let pixels = (-3..9).flat_map(|row| (-3..11).map(move |col| (col, row)));
         let wanted = pixels.filter(|&(col, row)| solid.is_solid(col, row) == is_solid);
-        let distances = wanted.map(|(col, row)| solid.from_pixel(at, col, row).norm());
+        let distances = wanted.map(|(col, row)| solid.offset_from_pixel(at, col, row).norm());
         distances.fold(f64::INFINITY, f64::min)
     }
 
