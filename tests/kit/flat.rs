@@ -10,8 +10,8 @@ use super::folder::replace;
 
 /// The edge of a pixel in metres.
 pub const PIXEL_M: f64 = 0.05;
-/// The number of pixels along each side.
-const SIZE: [usize; 2] = [160, 120];
+/// The number of columns and rows.
+pub const SIZE: [usize; 2] = [160, 120];
 /// The angle between the walls and the image, in radians.
 pub const TILT_RAD: f64 = 0.13;
 

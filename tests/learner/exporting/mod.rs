@@ -2,6 +2,7 @@
 
 mod frame;
 mod layers;
+mod pixels;
 mod program;
 mod scans;
 
