@@ -97,6 +97,17 @@ def parts():
     return table(head, rows)
 
 
+def readings():
+    head = ["young rules", "the switched rate drives", "maze", "solved", "retained at the end", "steps until solved", "95 % interval"]
+    rows = []
+    for arm in arms("readings"):
+        mean, scope = (part.split("=")[1] for part in arm["variant"].split(" "))
+        young = "means" if mean == "true" else "beta from the start"
+        drives = "all statistics" if scope == "all" else "the prediction"
+        rows.append([young, drives, MAZES[arm["world"]], arm["successes"], arm["retained"], f"{arm['iqm_env_steps']:.0f}", steps_interval(arm)])
+    return table(head, rows)
+
+
 def of_group(study, method, worlds, variant=None):
     return [arm for arm in arms(study) if arm["method"] == method and arm["world"] in worlds and variant in (None, arm["variant"])]
 
