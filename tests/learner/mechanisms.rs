@@ -6,6 +6,7 @@ use xcscr::agent::Method;
 use xcscr::arena::{ArenaKind, Outcome};
 use xcscr::episode::{Episode, Learned, Observer, Step};
 use xcscr::trial::{Plan, Settings, Trial};
+use xcscr::world::Maze;
 
 use crate::learned::{gridded, with, world};
 
@@ -113,6 +114,19 @@ fn the_rules_choose_every_action_that_does_not_explore() {
     let chosen = plan(|_| ()).run().unwrap().progress().chosen;
     assert!(chosen.rules > 100 && chosen.planner > 20, "{chosen}");
     assert_eq!((chosen.table, chosen.chance), (0, 0));
+}
+
+#[test]
+fn the_step_limit_is_learned_only_where_all_episodes_start_in_one_cell() {
+    let limit = |rows: &str| {
+        let maze = Maze::from_json(rows.as_bytes(), "hall.json").unwrap();
+        let trial = gridded(maze, Method::XcscrPlus).episodes(60).run().unwrap();
+        trial.method().step_threshold()
+    };
+    let anywhere = r##"{ "rows": ["#########", "#......G#", "#########"] }"##;
+    assert_eq!(limit(anywhere), 600);
+    let one = limit(&anywhere.replace("#.", "#S"));
+    assert!(one < 20, "control: {one} steps");
 }
 
 #[test]

@@ -106,7 +106,9 @@ impl Config {
     /// # Errors
     /// When the method cannot use the initial knowledge.
     pub fn build_method(&self, maze: &Maze) -> Result<Box<dyn Agent>, Misfit> {
-        let settings = self.settings.clone();
+        let mut settings = self.settings.clone();
+        // A success from a near start says nothing about the steps that a far start needs.
+        settings.reward.learning_step_threshold &= maze.start().is_some();
         let setup = Setup {
             xcs: settings.xcs,
             reward: settings.reward,

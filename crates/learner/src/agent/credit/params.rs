@@ -112,7 +112,8 @@ settings! {
         imprinting: bool = true;
         /// Enable learning-rate switching in `xcscr`. Without it, all updates use `xcs.beta`.
         learning_rate_switching: bool = true;
-        /// Enable learning of the step limit in `xcscr`.
+        /// Enable learning of the step limit in `xcscr`. In a world without a start cell, the limit is not learned,
+        /// because a success from a near start says nothing about a far one.
         learning_step_threshold: bool = true;
     }
 }
