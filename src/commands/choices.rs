@@ -137,9 +137,22 @@ pub fn world(path: &Path) -> Result<Maze, Failure> {
                 );
                 Failure::new(ErrorKind::BadData, message)
             }
+            WorldError::Invalid { .. } if is_map(path) => {
+                let message = format!(
+                    "{typed} is a ROS map, not a world: convert it with `xcscr world convert {typed} -o world.json \
+                     --cell M --start X,Y --goal X,Y`"
+                );
+                Failure::new(ErrorKind::BadData, message)
+            }
             error => error.into(),
         }
     })
+}
+
+/// Returns true for the YAML file of a ROS map.
+fn is_map(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|end| end == "yaml" || end == "yml")
 }
 
 /// The most bytes that are read of a file of rules. This exceeds the largest population.

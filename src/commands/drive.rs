@@ -133,7 +133,13 @@ fn repeat(mut driver: Driver, bag: &Path, out: &mut Results) -> Result<(), Failu
     }
     if decisions.is_empty() {
         writeln!(out, "{count} decisions")?;
-        return Ok(());
+        return match (count, reported.is_empty()) {
+            (0, false) => Err(Failure::new(
+                ErrorKind::Refuted,
+                "a fault ended the drive before the first decision",
+            )),
+            _ => Ok(()),
+        };
     }
     let same = own.iter().zip(&decisions).filter(|(a, b)| a == b).count();
     let most = count.max(decisions.len());

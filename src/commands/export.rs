@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, TypedValueParser};
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, Command};
+use xcscr::ErrorKind;
 use xcscr::export::{Policy, Provenance, Target};
 
 use super::choices;
@@ -81,6 +82,15 @@ pub fn run(args: &ExportArgs, out: &mut Results) -> Result<(), Failure> {
 fn text(args: &ExportArgs) -> Result<String, Failure> {
     let (plan, knowledge) = args.learned.load(None)?;
     let (maze, sensor) = (&plan.maze, plan.config.sensor);
+    let cell_m = args.learned.trained_cell_m()?.unwrap_or(maze.cell_size_m());
+    if cell_m != maze.cell_size_m() {
+        let message = format!(
+            "the policy was trained in cells of {cell_m} m, but {} has cells of {} m: export it without `--world`",
+            maze.name(),
+            maze.cell_size_m()
+        );
+        return Err(Failure::new(ErrorKind::BadData, message));
+    }
     let (width, actions) = (sensor.width(maze), maze.action_count());
     knowledge.check(sensor, maze)?;
     let knowledge = knowledge.with_fewest_rules(sensor, maze);

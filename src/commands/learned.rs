@@ -77,6 +77,18 @@ impl LearnedArgs {
         Ok((plan.fitted(), knowledge))
     }
 
+    /// Returns the edge of the cells in which the policy of a run was trained, in metres; `None` for
+    /// a file of rules.
+    pub fn trained_cell_m(&self) -> Result<Option<f64>, Failure> {
+        let is_file = self.run.exists() && !self.run.is_dir();
+        let is_recording = self.run.extension().is_some_and(|end| end == "mcap");
+        if is_file && !is_recording {
+            return Ok(None);
+        }
+        let (plan, _) = of_run(&self.run, is_file)?;
+        Ok(Some(plan.maze.cell_size_m()))
+    }
+
     /// Returns the path of a sibling folder for the results of an evaluation.
     pub fn beside(&self) -> PathBuf {
         beside(&self.run, "-evaluation")

@@ -202,8 +202,11 @@ impl TrainReport {
             let mean = self.mean_optimal_steps;
             return format!("{mean:.2} steps on average; episodes start in random cells");
         };
-        let s = if paths == 1 { "" } else { "s" };
-        format!("{steps} steps, {paths} such path{s}")
+        match paths {
+            1 => format!("{steps} steps, 1 such path"),
+            u64::MAX => format!("{steps} steps, countless such paths"),
+            _ => format!("{steps} steps, {paths} such paths"),
+        }
     }
 
     fn first_optimal(&self) -> String {

@@ -335,3 +335,19 @@ fn convert_reads_a_map_from_anywhere_draws_it_and_overwrites_nothing() {
     let (_, stderr) = ends("convert w.json -o back.yaml --force --cell 0.5", 2);
     assert!(stderr.contains("--cell is for maps"), "{stderr}");
 }
+
+#[test]
+fn a_map_in_the_place_of_a_world_and_a_pixel_in_the_place_of_a_cell_are_refused_with_the_remedy() {
+    let map = Map::drawn(&["    ", "    "]);
+    let refused = |arguments: &str, code: i32| {
+        let arguments: Vec<&str> = arguments.split(' ').collect();
+        let mut command = xcscr(&arguments);
+        let output = command.current_dir(map.path("")).output().unwrap();
+        ended(&output, code, &arguments.join(" ")).1
+    };
+    let stderr = refused("world check map.yaml", 65);
+    assert!(stderr.contains("xcscr world convert map.yaml"), "{stderr}");
+    map.yaml("resolution: 0.05");
+    let stderr = refused("world convert map.yaml -o w.json --goal 0.1,0.1", 2);
+    assert!(stderr.contains("such as `--cell 0.5`"), "{stderr}");
+}

@@ -12,9 +12,10 @@ static inline int xcscr_is_greater(uint64_t values_a, uint32_t weight_a,
     return (low_a & 0xffffffffu) > (low_b & 0xffffffffu);
 }
 
-/* Returns the action with the greatest mean value, the first of equals; XCSCR_NO_ACTION if no rule matches.
- * Each matching rule votes for its action with a weight and a value. */
-static inline int8_t xcscr_decide(const xcscr_input *input)
+/* Returns the action with the greatest mean value among the allowed ones, the first of equals;
+ * XCSCR_NO_ACTION if no rule for them matches. Bit i allows action i. Each matching rule votes for its action
+ * with a weight and a value. */
+static inline int8_t xcscr_decide_among(const xcscr_input *input, uint16_t allowed)
 {
     uint64_t value[XCSCR_ACTIONS] = {0};
     uint32_t weight[XCSCR_ACTIONS] = {0};
@@ -31,11 +32,17 @@ static inline int8_t xcscr_decide(const xcscr_input *input)
         }
     }
     for (action = 0; action < XCSCR_ACTIONS; action++) {
-        if (weight[action] != 0
+        if (weight[action] != 0 && (allowed >> action & 1) != 0
             && (best == XCSCR_NO_ACTION
                 || xcscr_is_greater(value[action], weight[action], value[best], weight[best]))) {
             best = action;
         }
     }
     return best;
+}
+
+/* Returns the action with the greatest mean value of all; XCSCR_NO_ACTION if no rule matches. */
+static inline int8_t xcscr_decide(const xcscr_input *input)
+{
+    return xcscr_decide_among(input, 0xffff);
 }

@@ -78,6 +78,12 @@ class Scan:
         """Does the scan show an obstacle on a move?"""
         return self.ended[step] >= ENOUGH and self.ended[step] > self.passed[step]
 
+    def open_actions(self):
+        """The actions that the scan shows to be open."""
+        column, row = self.cell
+        steps = STEPS[:: 8 // len(ACTIONS)]
+        return [at for at, step in enumerate(steps) if passes(column, row, self, (0, 0), step)]
+
     def percept(self):
         """The percept of the robot."""
         return percept_of_cell(*self.cell, self)

@@ -28,3 +28,23 @@ static inline int xcscr_scan_percept(const struct xcscr_scan *scan, xcscr_word *
     xcscr_set_ring(percept, &place);
     return scan->is_inside;
 }
+
+/* Returns a bit for each action that the scan shows to be open, from the cell in which the scan began. */
+static inline uint16_t xcscr_open_actions(const struct xcscr_scan *scan)
+{
+    static const int8_t steps[8][2] = {{0, 1}, {1, 1}, {1, 0}, {1, -1}, {0, -1}, {-1, -1}, {-1, 0}, {-1, 1}};
+    const int here[2] = {0, 0};
+    struct xcscr_place place;
+    uint16_t open = 0;
+    int action;
+
+    place.column = scan->column;
+    place.row = scan->row;
+    place.scan = scan;
+    for (action = 0; action < XCSCR_ACTIONS; action++) {
+        if (xcscr_passes(&place, here, steps[8 / XCSCR_ACTIONS * action])) {
+            open = (uint16_t)(open | 1u << action);
+        }
+    }
+    return open;
+}

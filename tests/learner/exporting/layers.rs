@@ -48,7 +48,8 @@ int main(void)
         }
         xcscr_scan_percept(&scan, percept);
         show(percept);
-        printf("%d %d\n", is_inside, xcscr_percept(NAN, y, 0, percept));
+        printf("%d %d ", is_inside, xcscr_percept(NAN, y, 0, percept));
+        printf("%d\n", (int)xcscr_open_actions(&scan));
     }
     return xcscr_is_goal(XCSCR_START_COLUMN, XCSCR_START_ROW);
 }
@@ -67,7 +68,7 @@ for line in sys.stdin:
         refused = 1
     except ValueError:
         refused = 0
-    print(policy.percept(x, y), scan.percept(), 1, refused)
+    print(policy.percept(x, y), scan.percept(), 1, refused, sum(1 << at for at in scan.open_actions()))
 "#;
 
 /// The answers of a program for the middles of all free cells.
@@ -125,7 +126,11 @@ fn exported_percepts_are_those_of_the_map_and_of_obstacles_in_a_scan() {
             let what = format!("{target:?} {sensor:?} {cell:?}");
             let parts: Vec<&str> = found.split(' ').collect();
             assert_eq!(parts[0], shown(&expected), "{what}");
-            assert_eq!(parts[2..], ["1", "0"], "{what}: inside, and no number");
+            assert_eq!(parts[2..4], ["1", "0"], "{what}: inside, and no number");
+            let is_open = |way: &Direction| maze.is_open(cell, *way) && *way != Direction::East;
+            let open = (0..).zip(Direction::MAIN).filter(|(_, way)| is_open(way));
+            let open: u32 = open.map(|(at, _)| 1 << at).sum();
+            assert_eq!(parts[4], open.to_string(), "{what}: open actions");
             if sensor == Sensor::LidarPosition {
                 assert_eq!(parts[1], blocked, "{what}: with an obstacle");
             }

@@ -9,8 +9,8 @@ use super::source::{Source, quoted};
 
 /// The largest coordinate, in metres: more than the coordinates of any projected map of the Earth.
 const MOST_M: f64 = 1e8;
-/// The largest yaw, in radians: more than a whole turn.
-const MOST_RAD: f64 = 10.0;
+/// The largest yaw, in radians: a whole turn. A yaw in degrees is refused, unless it is small.
+const MOST_RAD: f64 = std::f64::consts::TAU;
 
 /// The pose of the lower left (south-western) corner of a grid in the map frame; the default is the
 /// map frame itself.

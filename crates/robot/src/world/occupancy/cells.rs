@@ -59,6 +59,12 @@ impl Layout {
         offset_m: [f64; 2],
     ) -> Result<Self, MapError> {
         let fault = |fault: String| Err(MapError::Cell(fault));
+        let pixel_m = map.resolution_m;
+        if cell_m == pixel_m && !CELL_M.contains(&cell_m) {
+            return fault(format!(
+                "a pixel of {pixel_m} m cannot be a cell: give the edge of a cell in metres, such as `--cell 0.5`"
+            ));
+        }
         if !CELL_M.contains(&cell_m) {
             return fault(format!(
                 "`--cell` is {cell_m} m, but must be from {} to {}",
@@ -66,7 +72,6 @@ impl Layout {
                 CELL_M.end()
             ));
         }
-        let pixel_m = map.resolution_m;
         if cell_m / pixel_m < 1.0 - ROUNDING {
             return fault(format!(
                 "a cell of {cell_m} m is smaller than a pixel of {pixel_m} m"
