@@ -217,7 +217,9 @@ fn rules_over_a_position_are_told_as_ranges_by_rules_why_and_export() {
         ("neighbours-position", "grid"),
         ("lidar-position", "physics"),
     ] {
-        let how = format!("--sensor {sensor} --arena {arena} --method xcs --record none");
+        let how = format!(
+            "--sensor {sensor} --arena {arena} --method xcs --set xcs.dont_care=0.3 --record none"
+        );
         fine(&format!("train {maze4} --episodes 10 --out {sensor} {how}"));
         let rules = fine(&format!("rules {sensor} --all"));
         let why = fine(&format!("rules {sensor} --why 1,1"));

@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 use xcscr::agent::Method;
 use xcscr::episode::{Episode, Learned, Observer};
 use xcscr::sensor::Sensor;
-use xcscr::trial::Trial;
+use xcscr::trial::{Settings, Trial};
 use xcscr::xcs::random::Stream;
 use xcscr::xcs::{self, Action, Environment, Percept, Response, Runner};
 
@@ -109,6 +109,7 @@ fn walk(problem: Problem, method: Method, seed: u64) -> Walked {
         .episodes(2 * problems)
         .seed(seed);
     let plan = with(plan, |settings| {
+        *settings = Settings::default();
         settings.xcs.population_size = population_size;
         settings.xcs.dont_care = dont_care;
         settings.xcs.epsilon_0 = 1.0;

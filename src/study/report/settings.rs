@@ -112,9 +112,10 @@ mod tests {
     #[test]
     fn a_step_threshold_is_reported_with_its_origin() {
         let set = said("[settings]\n\"reward.step_threshold\" = 60\n");
-        let words = "Settings: the defaults, except `reward.step_threshold` = 60 (default 50).";
+        let words = "Settings: the defaults; for xcs: `reward.step_threshold` = 60 (default 600); for adapted-even: \
+             `reward.step_threshold` = 60 (default 50).";
         assert_eq!(set, words);
-        let text = "name = \"s\"\nworlds = [\"maze4\", \"dfs-12-1\"]\nmethods = [\"xcs\"]\ntrials = 1\nepisodes = 1\n";
+        let text = "name = \"s\"\nworlds = [\"maze4\", \"dfs-12-1\"]\nmethods = [\"q-learning\"]\ntrials = 1\nepisodes = 1\n";
         let told = sentences(&frozen(text, &[]).unwrap());
         let words = "in dfs-12-1: `reward.step_threshold` = 176 (from the maze)";
         assert!(told.contains(words), "{told}");
@@ -126,7 +127,7 @@ mod tests {
         let text = "[settings]\n\"xcs.mu\" = 0.1\n[world-settings.maze5]\n\"xcs.chi\" = 0.5\n[method-settings.xcs]\n\"xcs.beta\" = 0.3\n";
         let told = said(text);
         for words in [
-            "Settings: the defaults, except `xcs.mu` = 0.1 (default 0.04);",
+            "Settings: the defaults, except `xcs.mu` = 0.1 (default 0.01);",
             "; in maze5: `xcs.chi` = 0.5 (default 0.8)",
             "; for xcs: `xcs.beta` = 0.3 (default 0.2)",
         ] {

@@ -7,7 +7,7 @@ use xcscr::agent::Method;
 use xcscr::export::Target;
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Evaluation, Plan, RobotProfile, Settings};
-use xcscr::world::{Cell, Maze};
+use xcscr::world::Cell;
 
 use super::program::{compile_c, fed};
 use super::text;
@@ -78,13 +78,6 @@ fn driven(header: &str, radius_m: f64) -> (Vec<Cell>, u32) {
     (lines.iter().map(cell).collect(), contacts)
 }
 
-/// The same cells, with walls that fill them.
-fn of_blocks(maze: &Maze) -> Maze {
-    let mut world: serde_json::Value = serde_json::from_str(&maze.to_json()).unwrap();
-    world.as_object_mut().unwrap().remove("solid");
-    Maze::from_json(world.to_string().as_bytes(), "blocks").unwrap()
-}
-
 #[test]
 fn a_policy_learned_in_a_map_drives_in_its_pixels_as_in_the_simulator() {
     let learned = learned_flat();
@@ -98,13 +91,4 @@ fn a_policy_learned_in_a_map_drives_in_its_pixels_as_in_the_simulator() {
     assert_eq!(contacts, 0);
     let (_, contacts) = driven(&text(&learned, Target::C99), 0.35);
     assert!(contacts > 0, "control: a larger disc touches something");
-}
-
-#[test]
-fn control_a_policy_of_blocks_fed_by_scans_does_not_arrive_in_the_pixels() {
-    let learned = learned_flat();
-    let mut blocks = (*learned).clone();
-    blocks.plan.maze = of_blocks(&learned.plan.maze);
-    let (cells, _) = driven(&text(&blocks, Target::C99), 0.105);
-    assert_ne!(cells, path(&learned));
 }
