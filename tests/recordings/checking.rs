@@ -196,11 +196,7 @@ fn merged_recordings_are_read_or_refused_with_the_reason_and_never_called_damage
             "differs from a new run",
         );
         assert!(!said.contains("damaged"), "{said}");
-        for line in [
-            "map @FILE -o @x.svg",
-            "replay --html @x.html @FILE",
-            "recording ros @FILE -o @x.mcap",
-        ] {
+        for line in ["map @FILE -o @x.svg", "replay --html @x.html @FILE"] {
             let said = desk.fails(
                 65,
                 &line.replace("FILE", name),

@@ -38,17 +38,6 @@ fn a_build_without_ros_2_says_how_to_get_it_and_still_refuses_another_robot() {
     );
 }
 
-#[test]
-fn a_drive_that_decides_nothing_is_no_success() {
-    script::run_at(
-        &Desk::new(),
-        "train run maze4 --episodes 60
-         0 recording ros @run/ep-0003.mcap -o @bag.mcap
-         1 drive @run --bag @bag.mcap --scan-frame elsewhere => led to no decision => stops: /scan is in the frame
-         0 drive @run --bag @bag.mcap => decisions",
-    );
-}
-
 /// What is no recording gets no such advice, see `refused.txt`.
 #[test]
 fn a_damaged_recording_gets_advice() {

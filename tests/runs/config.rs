@@ -8,18 +8,24 @@ fn config_show_names_the_maze_as_the_origin_of_what_it_decides() {
     let world = desk.ok("world generate --kind dfs --size 12");
     desk.write("winding.json", world);
     // Settings that were printed for a file give the same settings again.
-    desk.write("common.toml", desk.ok("config show --method xcs"));
+    desk.write("common.toml", desk.ok("config show --method q-learning"));
     for (choice, wanted) in [
         ("", "600 # default"),
         ("--world @winding.json", "600 # default"),
-        ("--method xcs --world @winding.json", "176 # the maze"),
-        ("--method xcs --world worlds/maze4.json", "50 # default"),
+        (
+            "--method q-learning --world @winding.json",
+            "176 # the maze",
+        ),
+        (
+            "--method q-learning --world worlds/maze4.json",
+            "50 # default",
+        ),
         (
             "--world @winding.json --set reward.step_threshold=60",
             "60 # --set",
         ),
         (
-            "--method xcs --world @winding.json --config @common.toml",
+            "--method q-learning --world @winding.json --config @common.toml",
             "176 # the maze",
         ),
     ] {
@@ -50,7 +56,7 @@ fn config_show_prints_the_defaults_of_a_method() {
         let all = desk.json(&format!("config show --json --method {method}"));
         all[key]["value"].clone()
     };
-    assert_eq!(value("xcs", "xcs.population_size"), 1600);
+    assert_eq!(value("xcscr-plus", "xcs.population_size"), 1600);
     assert_eq!(value("xcscr", "xcs.population_size"), 3200);
     assert_eq!(value("xcscr-plus", "reward.sharing"), "even");
     let file = desk.ok("config show --method xcscr");

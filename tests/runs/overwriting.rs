@@ -42,7 +42,6 @@ fn a_link_is_never_written_through_or_replaced() {
         "map @run -o @link.svg",
         "map @run -o @dangling.svg",
         "export @run --target python -o @link.svg",
-        "recording ros @run/ep-0001.mcap -o @dangling.svg",
         "map @run -o @link.png",
     ] {
         desk.fails(73, line, "it is a link");
