@@ -168,6 +168,62 @@ fn a_small_recording_that_unpacks_to_much_is_refused_before_it_fills_the_memory(
     }
 }
 
+/// The last chunk is cut off, so that its size cannot be counted.
+#[test]
+fn a_recording_that_ends_within_a_chunk_is_refused_before_the_chunk_is_unpacked() {
+    let desk = Desk::new();
+    let zeros = vec![0; 400 << 20];
+    let path = desk.path("cut.mcap");
+    let size = write_recording(&path, "/scan", 1 << 30, [(0, &zeros[..])].into_iter());
+    let bytes = fs::read(&path).unwrap();
+    fs::write(&path, &bytes[..size as usize - 2000]).unwrap();
+    desk.train("run", "maze4 --episodes 1 --record none");
+    for line in [
+        "recording check @cut.mcap",
+        "recording info @cut.mcap",
+        "drive @run --bag @cut.mcap",
+    ] {
+        ended(&within(&desk, 200 << 10, line), 65, line);
+    }
+}
+
+/// Channels with many metadata, which a packed chunk repeats cheaply.
+#[test]
+fn channels_that_would_fill_the_memory_are_refused() {
+    let desk = Desk::new();
+    let path = desk.path("channels.mcap");
+    let options = mcap::WriteOptions::new().repeat_channels(false);
+    let mut writer = options.create(File::create(&path).unwrap()).unwrap();
+    let entry = |number: u32| (format!("{number:08}"), String::new());
+    let metadata = (0..50_000).map(entry).collect();
+    for channel in 0..50 {
+        let name = format!("/{channel}");
+        writer.add_channel(0, &name, "json", &metadata).unwrap();
+    }
+    writer.finish().unwrap();
+    ended(
+        &within(&desk, 200 << 10, "recording info @channels.mcap"),
+        65,
+        "info",
+    );
+}
+
+/// Empty messages of a bag take an entry each.
+#[test]
+fn a_bag_of_very_many_messages_is_refused() {
+    let desk = Desk::new();
+    let path = desk.path("bag.mcap");
+    let messages = (0..1_000_000).map(|time| (time, &b""[..]));
+    write_recording(&path, "/cmd_vel", 1 << 20, messages);
+    desk.train("run", "maze4 --episodes 1 --record none");
+    let line = "drive @run --bag @bag.mcap";
+    let (_, stderr) = ended(&within(&desk, 400 << 10, line), 65, line);
+    assert!(
+        stderr.contains("its messages would take more than"),
+        "{stderr}"
+    );
+}
+
 /// A small recording that unpacks to 60 MB in many chunks, of messages without content.
 #[test]
 fn many_chunks_that_unpack_to_much_are_not_unpacked() {

@@ -55,6 +55,24 @@ fn a_link_is_never_written_through_or_replaced() {
 
 #[cfg(unix)]
 #[test]
+fn a_study_writes_and_removes_nothing_through_a_link_in_its_folder() {
+    let desk = Desk::new();
+    let study = "study run paper --trials 1 --arena grid --jobs 1 --quiet --out @s --episodes";
+    desk.ok(&format!("{study} 2"));
+    std::fs::rename(desk.path("s/journals"), desk.path("outside")).unwrap();
+    std::os::unix::fs::symlink(desk.path("outside"), desk.path("s/journals")).unwrap();
+    let before = contents(&desk.path("outside"));
+    for line in [format!("{study} 2"), format!("{study} 3 --force")] {
+        desk.fails(73, &line, "is a link");
+    }
+    assert!(
+        contents(&desk.path("outside")) == before,
+        "a journal changed"
+    );
+}
+
+#[cfg(unix)]
+#[test]
 fn the_recordings_of_a_run_that_lasts_can_be_read() {
     let desk = Desk::new();
     let child = desk.spawn("train maze4 --episodes 1000000 --quiet --out @run");

@@ -157,6 +157,14 @@ pub struct DriveRecording {
     pub decisions: Vec<String>,
 }
 
+/// The memory that a message takes beside its data: an entry for the time of its arrival.
+const KEPT_BYTES_A_MESSAGE: usize = 1024;
+
+/// Returns the limit on the memory for the messages of a bag of `size` bytes.
+fn most_kept(size: usize) -> usize {
+    size.saturating_mul(32).saturating_add(64 << 20)
+}
+
 impl DriveRecording {
     /// Reads `/scan`, `/odom`, `/imu` and `/clock`, in any namespace, from an MCAP file in the
     /// encoding of ROS 2.
@@ -173,6 +181,8 @@ impl DriveRecording {
         records::check_unpacked(&bytes).map_err(&damaged)?;
         let mut recording = Self::default();
         let mut clock_ns = None;
+        let most = most_kept(bytes.len());
+        let mut kept = 0;
         for message in records::messages(&bytes) {
             let message = message.map_err(|cause| damaged(cause.to_string()))?;
             let channel = &message.channel;
@@ -181,6 +191,15 @@ impl DriveRecording {
                 continue;
             }
             let topic = channel.topic.rsplit('/').next().unwrap_or_default();
+            if TOPICS.iter().any(|known| known.name().ends_with(topic)) {
+                kept += KEPT_BYTES_A_MESSAGE + 2 * message.data.len();
+            }
+            if kept > most {
+                return Err(damaged(format!(
+                    "its messages would take more than {most} bytes, the most for a bag of its size; \
+                     record fewer topics, such as without /clock"
+                )));
+            }
             let added = recording.add(topic, message.log_time, &message.data, &mut clock_ns);
             added.map_err(|cause| damaged(format!("{}: {cause}", channel.topic)))?;
         }

@@ -9,11 +9,19 @@ use mcap::{McapError, McapResult, Message};
 
 use crate::disk;
 
+/// The number of bytes by which the kept records of a file may exceed its size.
+const MOST_KEPT_BYTES: u64 = 4 << 20;
+
 /// The records of an MCAP stream in sequence, with those inside of chunks, unless the options say
 /// otherwise. Checksums of chunks are verified. A fault of the stream is the last item. A record
 /// that cannot be parsed is an error, too, but the records after it follow.
+///
+/// Schemas, channels, metadata and attachments are kept in memory. A packed chunk can hold very many of them, so all
+/// together may be only a little longer than the file.
 pub(in crate::record) struct Records<R> {
     stream: R,
+    /// The number of bytes of further schemas, channels, metadata and attachments that are accepted.
+    room: u64,
     /// `None` after the end and after a fault of the stream.
     reader: Option<LinearReader>,
 }
@@ -26,6 +34,7 @@ impl<R: Read> Records<R> {
             .with_record_length_limit(longest_record(size));
         Self {
             stream,
+            room: size.saturating_add(MOST_KEPT_BYTES),
             reader: Some(LinearReader::new_with_options(options)),
         }
     }
@@ -45,6 +54,11 @@ impl<R: Read> Iterator for Records<R> {
                     }
                 }
                 Ok(LinearReadEvent::Record { opcode, data }) => {
+                    let len = data.len() as u64;
+                    match self.room.checked_sub(kept_bytes(opcode, len)) {
+                        Some(room) => self.room = room,
+                        None => break McapError::RecordTooLarge { opcode, len },
+                    }
                     return Some(parse_record(opcode, data).map(Record::into_owned));
                 }
                 Err(fault) => break fault,
@@ -84,16 +98,31 @@ pub(crate) fn messages(bytes: &[u8]) -> impl Iterator<Item = McapResult<Message<
 pub(crate) fn check_unpacked(bytes: &[u8]) -> Result<(), String> {
     let most = disk::most_unpacked(bytes.len() as u64);
     let options = LinearReaderOptions::default().with_emit_chunks(true);
-    let sizes = Records::new(bytes, bytes.len() as u64, options).map(|record| match record {
-        Ok(Record::Chunk { header, .. }) => header.uncompressed_size,
-        _ => 0,
-    });
-    let unpacked = sizes.fold(0, u64::saturating_add);
+    let mut unpacked: u64 = 0;
+    let mut records = Records::new(bytes, bytes.len() as u64, options);
+    while let Some(record) = records.next() {
+        match record {
+            Ok(Record::Chunk { header, .. }) => {
+                unpacked = unpacked.saturating_add(header.uncompressed_size);
+            }
+            // After it, nothing more can be counted, but the next reader might unpack it.
+            Err(fault) if records.reader.is_none() => return Err(fault.to_string()),
+            _ => {}
+        }
+    }
     match unpacked <= most {
         true => Ok(()),
         false => Err(format!(
             "its chunks unpack to {unpacked} bytes, but at most {most} are accepted for a file of its size"
         )),
+    }
+}
+
+/// Returns how much of a record is kept in memory.
+fn kept_bytes(opcode: u8, len: u64) -> u64 {
+    match opcode {
+        op::SCHEMA | op::CHANNEL | op::METADATA | op::ATTACHMENT => len,
+        _ => 0,
     }
 }
 

@@ -134,7 +134,7 @@ impl PlannedStudy {
     /// When the folder contains something else, or an error of the file system.
     pub fn make(&self) -> Result<(), Error> {
         require_own(&self.path)?;
-        let journals = self.path.join(JOURNALS);
+        let journals = self.journal_folder()?;
         fs::create_dir_all(&journals).map_err(disk::cannot_create(&journals))?;
         if !Self::is_in(&self.path) {
             self.write(false)?;
@@ -196,9 +196,24 @@ impl PlannedStudy {
         Journal::begin(&self.path.join(JOURNALS), task, &self.plan)
     }
 
+    /// Returns the folder of the journals. A link is refused, because journals are written and removed there.
+    fn journal_folder(&self) -> Result<PathBuf, Error> {
+        let folder = self.path.join(JOURNALS);
+        match folder.is_symlink() {
+            true => {
+                let message = format!(
+                    "{} is a link: replace it with the folder that it points to",
+                    folder.display()
+                );
+                Err(ErrorKind::CannotCreate.error(message))
+            }
+            false => Ok(folder),
+        }
+    }
+
     /// Returns the journals with their tasks, sorted.
     pub(in crate::study) fn journals(&self) -> Result<Vec<(usize, PathBuf)>, Error> {
-        let folder = self.path.join(JOURNALS);
+        let folder = self.journal_folder()?;
         let io = &error::io(&folder);
         let mut found = Vec::new();
         for entry in folder.read_dir().map_err(io)? {
