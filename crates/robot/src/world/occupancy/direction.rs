@@ -8,6 +8,8 @@ const TRIED: i32 = 225;
 const STEP_DEG: f64 = 0.2;
 /// The walls have a main direction if its score exceeds that of the image by this factor.
 const CLEARER: f64 = 1.1;
+/// The most pixels that are looked at. Of more, evenly spread ones are taken.
+const MOST_POINTS: usize = 1 << 18;
 
 impl OccupancyMap {
     /// Returns the angle in radians from the lower edge of the image to most of its walls,
@@ -19,7 +21,9 @@ impl OccupancyMap {
     pub fn wall_direction_rad(&self) -> f64 {
         let places = (0..self.height).flat_map(|row| (0..self.width).map(move |col| (col, row)));
         let surface = places.filter(|&(col, row)| self.is_surface(col, row));
+        let spread = surface.clone().count().div_ceil(MOST_POINTS).max(1);
         let points: Vec<[f64; 2]> = surface
+            .step_by(spread)
             .map(|(col, row)| [col as f64 + 0.5, (self.height - row) as f64 - 0.5])
             .collect();
         let diagonal = (self.width + self.height) as f64;
