@@ -3,7 +3,7 @@
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 use serde_json::json;
 use xcscr::arena::PhysicsParams;
-use xcscr::arena::{Arena, BatchArena, Estimate, GridArena, Localisation, PhysicsArena};
+use xcscr::arena::{Arena, Estimate, GridArena, Localisation, PhysicsArena};
 use xcscr::world::{Cell, Maze};
 
 use crate::kit::tally::script;
@@ -113,7 +113,7 @@ fn poses_hits_and_estimates_are_those_of_the_grid_turned_and_moved_into_the_map(
 }
 
 #[test]
-fn a_cell_is_found_again_at_its_middle_and_lanes_are_in_the_map_frame() {
+fn a_cell_is_found_again_at_its_middle_and_the_pose_is_in_the_map_frame() {
     let (plain, placed) = (maze([0.0; 3]), maze(ORIGIN));
     for cell in placed.cells() {
         let middle = placed.centre_m(cell);
@@ -123,13 +123,12 @@ fn a_cell_is_found_again_at_its_middle_and_lanes_are_in_the_map_frame() {
     }
     let first = Cell { col: 1, row: 1 };
     assert_ne!(placed.cell_at(plain.centre_m(first)), Some(first));
-    let batch = BatchArena::new(&placed, &PhysicsParams::default(), &[1]).unwrap();
+    let arena = PhysicsArena::new(placed.clone(), PhysicsParams::default(), 1).unwrap();
+    let pose = arena.view().now().robot_in_map;
     let start = placed.centre_m(placed.start().unwrap());
-    let at = [batch.lanes().x_m[0], batch.lanes().y_m[0]];
     // The engine computes in single precision.
-    let off = (start.x - at[0]).hypot(start.y - at[1]);
-    assert!(off < 1e-6, "{at:?} {start}");
-    let [cosine, sine] = batch.lanes().headings[0];
-    let off = sine.atan2(cosine) - ORIGIN[2];
-    assert!(off.abs() < 1e-6, "east of the grid");
+    let off_m = (start.coords - pose.translation.vector).norm();
+    assert!(off_m < 1e-6, "{pose} {start}");
+    let off_rad = pose.rotation.angle() - ORIGIN[2];
+    assert!(off_rad.abs() < 1e-6, "east of the grid");
 }

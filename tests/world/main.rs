@@ -5,7 +5,6 @@
 #[path = "../kit/mod.rs"]
 mod kit;
 
-mod batch;
 mod bounds;
 mod classic;
 mod frames;

@@ -6,8 +6,8 @@ use std::hash::Hasher;
 use fnv::FnvHasher;
 use nalgebra::{Point2, Vector2};
 use serde_json::json;
+use xcscr::arena::PhysicsParams;
 use xcscr::arena::{Arena, GridArena, Localisation, Outcome, PhysicsArena};
-use xcscr::arena::{PhysicsParams, Snapshot};
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
 use xcscr::world::{Cell, Maze};
@@ -83,12 +83,6 @@ fn add_to_digest(arena: &PhysicsArena, hash: &mut FnvHasher) {
         let text = format!("{:?} {:?} {seen:?}", sensed.estimates, sensed.beams);
         hash.write(text.as_bytes());
     }
-}
-
-fn digest(arena: &PhysicsArena) -> u64 {
-    let mut hash = FnvHasher::default();
-    add_to_digest(arena, &mut hash);
-    hash.finish()
 }
 
 /// The digest of a whole script of actions.
@@ -298,36 +292,6 @@ fn the_shortcut_gives_the_same_bits_as_the_engine() {
             digest_of(arena(maze(world), &params, seed), script(seed, actions))
         });
         assert_eq!(with, without, "seed {seed}, {params:?}");
-    }
-}
-
-#[test]
-fn a_restored_snapshot_goes_on_with_the_same_bits() {
-    // The first robot is given so little time that some snapshots are taken while it leans on a wall.
-    for (params, seeds, points, amid_contact) in [
-        (hurried(1.0), [7, 8], 100, 10),
-        // The scale of a sensor belongs to a robot, and is in no snapshot.
-        (senses(2.0), [7, 7], 20, 0),
-    ] {
-        let [mut robot, mut other] = seeds.map(|seed| arena(maze("maze6"), &params, seed));
-        let mut pushed = 0;
-        for point in 0..points {
-            for action in script(point, 5) {
-                restart_in_goal(&mut robot);
-                robot.act(action);
-            }
-            let text = serde_json::to_string(&robot.snapshot()).unwrap();
-            pushed += u32::from(text.contains("\"pushed\":true"));
-            let snapshot: Snapshot = serde_json::from_str(&text).unwrap();
-            other.restore(&snapshot);
-            for action in script(point + 1_000, 10) {
-                robot.act(action);
-                other.act(action);
-                assert_eq!(digest(&robot), digest(&other), "point {point}");
-            }
-            robot.restore(&snapshot);
-        }
-        assert!(pushed >= amid_contact, "{pushed} snapshots amid a contact");
     }
 }
 

@@ -16,12 +16,12 @@ mod readings;
 mod sensors;
 mod whole;
 
-pub use onboard::{Field, FilterState, Obstacles, Onboard, Surface, Surroundings};
+pub use onboard::{Field, Obstacles, Onboard, Surface, Surroundings};
 pub use params::{
     BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams, Robot,
 };
 pub use readings::{Readings, Return};
-pub use sensors::{Moment, Push, SensorState, Sensors, Streams, Terrain, cast};
+pub use sensors::{Moment, Push, Sensors, Streams, Terrain, cast};
 
 /// Duration of a step of the simulation, in seconds.
 pub const STEP_S: f64 = 0.05;

@@ -167,10 +167,7 @@ impl<'a> Drive<'a> {
     /// What the robot made of some beams. It takes them as sent from where the estimator has it
     /// (`Estimator::ray`).
     fn seen(&self, believed: Isometry2<f64>, beams: Vec<Return>) -> Step {
-        let belief = serde_json::to_value(self.onboard.filter()).unwrap();
-        let number = |pointer: &str| belief.pointer(pointer).unwrap().as_f64().unwrap();
-        let way = Vector2::new(number("/last/way/0"), number("/last/way/1"));
-        let turned_rad = number("/last/turned_rad");
+        let (way, turned_rad) = self.onboard.last_motion();
         let estimate = self.onboard.estimate().0;
         let sent = |beam: Return| {
             let mut then = estimate;
@@ -181,7 +178,7 @@ impl<'a> Drive<'a> {
         Step {
             estimates: [believed, estimate],
             beams: beams.into_iter().map(sent).collect(),
-            scale: 1.0 + number("/ranges"),
+            scale: self.onboard.range_scale(),
             perceived: self.perceived(),
         }
     }

@@ -20,9 +20,9 @@ pub use kind::ArenaKind;
 pub use noisy_percepts::NoisyPerceptArena;
 pub use physics::check_fit;
 pub use physics::{
-    Agreement, BatchArena, BumperParams, CautiousDriving, CautiousParams, EncoderParams,
-    EstimatorParams, FaultParams, GyroParams, Lanes, LidarParams, Localisation, ManeuverEnd,
-    PhysicsArena, PhysicsError, PhysicsParams, Pilot, SensedDrive, Snapshot, Speeds, WheelDrive,
+    Agreement, BumperParams, CautiousDriving, CautiousParams, EncoderParams, EstimatorParams,
+    FaultParams, GyroParams, LidarParams, Localisation, ManeuverEnd, PhysicsArena, PhysicsError,
+    PhysicsParams, Pilot, SensedDrive, Speeds, WheelDrive,
 };
 pub use sensed::{Beam, Estimate, Sensed};
 pub use slip::ArenaParams;

@@ -16,10 +16,9 @@ mod tests;
 
 use std::sync::Arc;
 
-use nalgebra::{Isometry2, Matrix3, Point2};
+use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
 use self::estimator::Estimator;
-pub use self::estimator::FilterState;
 pub use self::field::{Field, Surface};
 use self::mapper::cell_of;
 pub use self::obstacles::Obstacles;
@@ -110,6 +109,17 @@ impl Onboard {
         self.estimator.speeds()
     }
 
+    /// Returns the estimated motion in the last step: the way in metres of the grid frame, and the
+    /// turn in radians. The beams of the step were sent along it.
+    pub fn last_motion(&self) -> (Vector2<f64>, f64) {
+        self.estimator.last_motion()
+    }
+
+    /// Returns the estimated factor by which ranges are longer than measured.
+    pub fn range_scale(&self) -> f64 {
+        self.estimator.range_scale()
+    }
+
     /// Returns the estimated pose in the grid frame, in metres, and the covariance of x, y and
     /// heading.
     pub fn estimate(&self) -> (Isometry2<f64>, Matrix3<f64>) {
@@ -153,22 +163,5 @@ impl Onboard {
     /// Returns the cells around the robot, as observed in this action. Empty with a map.
     pub fn surroundings(&self) -> &Surroundings {
         &self.surroundings
-    }
-
-    /// Returns the state of the filter.
-    pub fn filter(&self) -> &FilterState {
-        self.estimator.filter()
-    }
-
-    /// Restores a state of the filter, and what was observed.
-    pub fn restore(
-        &mut self,
-        filter: FilterState,
-        surroundings: Surroundings,
-        obstacles: Obstacles,
-    ) {
-        self.estimator.set_filter(filter);
-        self.surroundings = surroundings;
-        self.obstacles = obstacles;
     }
 }

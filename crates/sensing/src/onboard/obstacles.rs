@@ -1,7 +1,6 @@
 //! What the lidar sees on a path that is clear in the map.
 
 use nalgebra::Vector2;
-use serde::{Deserialize, Serialize};
 
 use super::estimator::Ray;
 
@@ -12,7 +11,7 @@ const ALONG: f64 = 0.9;
 const ENOUGH: usize = 2;
 
 /// The beams of the last action.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Obstacles {
     /// The first and the last point of each beam in the grid frame, in metres.
     beams: Vec<[Vector2<f64>; 2]>,

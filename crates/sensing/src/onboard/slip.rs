@@ -5,8 +5,6 @@
 //! drift apart: the position by the wheels, and the position on a floor with limited grip. A
 //! sequential test (Wald 1945) on the beams decides between them.
 
-use serde::{Deserialize, Serialize};
-
 use crate::{EstimatorParams, STEP_S};
 
 /// The number of steps after a bump in which wheels slip on any floor.
@@ -22,7 +20,7 @@ const SAME: f64 = 0.03;
 const DECIDED: f64 = 16.0;
 
 /// The state of the wheel-slip detector.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Slip {
     /// The number of steps for which the floor is still treated as slippery.
     slippery: u32,

@@ -1,7 +1,5 @@
 //! The cells around the robot, as observed.
 
-use serde::{Deserialize, Serialize};
-
 /// The number of cells that the map covers in each direction.
 const REACH: i32 = 9;
 /// The number of cells along each side of the map.
@@ -13,7 +11,7 @@ const FREE_ABOVE: i32 = 30;
 ///
 /// Each beam adds evidence for or against a cell being free. A cell without evidence is hidden, and
 /// counts as a wall.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Surroundings {
     /// The cell in the middle of the map; column to the east, row to the north.
     middle: [i32; 2],

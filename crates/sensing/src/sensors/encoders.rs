@@ -9,7 +9,7 @@ pub(super) struct Encoders {
     tick: f64,
     scale: [f64; 2],
     /// Ticks since the reset.
-    pub(super) ticks: [i64; 2],
+    ticks: [i64; 2],
 }
 
 impl Encoders {

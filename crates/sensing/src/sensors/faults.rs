@@ -10,9 +10,9 @@ pub(super) struct Faults {
     /// The cosine of half of the dead sector.
     dead_above: f64,
     /// How often the robot was put down; once before the first episode.
-    pub(super) resets: u32,
+    resets: u32,
     /// The drift of the gyro, in radians per step.
-    pub(super) drift_rad: f64,
+    drift_rad: f64,
 }
 
 impl Faults {

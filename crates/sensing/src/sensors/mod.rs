@@ -8,7 +8,6 @@ mod lidar;
 mod ray;
 
 use nalgebra::{Isometry2, UnitComplex, Vector2};
-use serde::{Deserialize, Serialize};
 
 use self::encoders::Encoders;
 use self::faults::Faults;
@@ -86,19 +85,6 @@ pub struct Sensors {
     faults: Faults,
 }
 
-/// The sensor state that changes over time. Properties that differ between robots, such as the
-/// scale of a wheel, are drawn from the seed again.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SensorState {
-    lidar: Stream,
-    gyro: Stream,
-    ticks: [i64; 2],
-    #[serde(default)]
-    resets: u32,
-    #[serde(default)]
-    drift_rad: f64,
-}
-
 impl Sensors {
     /// Creates the sensors of a robot. Properties that differ between robots are drawn from
     /// `streams`.
@@ -138,26 +124,6 @@ impl Sensors {
         };
         self.faults.distort(&mut readings);
         readings
-    }
-
-    /// Returns a copy of the state.
-    pub fn state(&self) -> SensorState {
-        SensorState {
-            lidar: self.lidar.stream.clone(),
-            gyro: self.gyro.stream.clone(),
-            ticks: self.encoders.ticks,
-            resets: self.faults.resets,
-            drift_rad: self.faults.drift_rad,
-        }
-    }
-
-    /// Restores a state.
-    pub fn set_state(&mut self, state: &SensorState) {
-        self.lidar.stream = state.lidar.clone();
-        self.gyro.stream = state.gyro.clone();
-        self.encoders.ticks = state.ticks;
-        self.faults.resets = state.resets;
-        self.faults.drift_rad = state.drift_rad;
     }
 }
 

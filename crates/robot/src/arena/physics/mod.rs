@@ -16,7 +16,6 @@
 //! y to the north. The trait [`Arena`] reports poses in the map frame.
 
 mod agreement;
-mod batch;
 mod cautious;
 mod contact;
 mod controller;
@@ -32,7 +31,6 @@ mod sensed_drive;
 mod sensing;
 mod shortcut;
 mod simulation;
-mod snapshot;
 mod terrain;
 #[cfg(test)]
 mod tests;
@@ -42,14 +40,12 @@ use nalgebra::{Point2, Vector2};
 use rapier2d::prelude::SharedShape;
 
 pub use agreement::Agreement;
-pub use batch::{BatchArena, Lanes};
 use cautious::profile;
 pub use cautious::{CautiousDriving, CautiousParams};
 pub use error::PhysicsError;
 pub use params::{Localisation, PhysicsParams};
 pub use pilot::{ManeuverEnd, Pilot};
 pub use sensed_drive::SensedDrive;
-pub use snapshot::Snapshot;
 pub use wheel_drive::WheelDrive;
 
 use self::contact::{Hits, is_frontal};

@@ -4,14 +4,14 @@
 use std::sync::Arc;
 
 use nalgebra::{Isometry2, Vector2};
-use xcscr_sensing::{FilterState, Onboard, Readings};
+use xcscr_sensing::{Onboard, Readings};
 
 use super::cautious::profile;
 use super::controller::Maneuver;
 use super::motion::{Motion, Speeds};
 use super::params::PhysicsParams;
 use super::{lengths_m, vector};
-use crate::arena::{Estimate, Obstacles, Sample, Sensed, Surroundings, View};
+use crate::arena::{Estimate, Sample, Sensed, View};
 use crate::sensor::Sensor;
 use crate::world::{Cell, Direction, Maze};
 use xcs::Percept;
@@ -140,16 +140,6 @@ impl Pilot {
                 rear
             }
         })
-    }
-
-    /// Restores the state of the onboard computer between two actions.
-    pub(super) fn restore(
-        &mut self,
-        filter: FilterState,
-        surroundings: Surroundings,
-        obstacles: Obstacles,
-    ) {
-        self.onboard.restore(filter, surroundings, obstacles);
     }
 
     /// Makes the robot drive back to where the manoeuvre started, because of an obstacle.

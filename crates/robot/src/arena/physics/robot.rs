@@ -2,7 +2,6 @@
 
 use nalgebra::{Complex, Isometry2, Translation2, UnitComplex, Vector2};
 use rapier2d::prelude::{RigidBody, Vector};
-use serde::{Deserialize, Serialize};
 
 use super::STEP_S;
 use super::motion::{Motion, Speeds};
@@ -25,7 +24,7 @@ pub(super) fn true_motion(body: &RigidBody) -> Motion {
 }
 
 /// The left and the right wheel.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Wheels {
     /// Rolling speeds in m/s.
     speed_mps: [f64; 2],

@@ -4,20 +4,17 @@
 //! to the onboard computer, and the computer's command goes to the wheels.
 
 use nalgebra::{Isometry2, Vector2};
-use serde::{Deserialize, Serialize};
 
 use super::discretiser::cell_from_position;
 use super::motion::Speeds;
 use super::params::{Localisation, PhysicsParams};
 use super::pilot::{ManeuverEnd, Pilot};
 use super::{PhysicsArena, STEP_NS};
-use crate::arena::{Beam, Estimate, Obstacles, Outcome, Sensed, Surroundings};
+use crate::arena::{Beam, Estimate, Outcome, Sensed};
 use crate::streams::StreamName;
 use crate::world::{Cell, Direction, Maze};
 use xcs::random::Stream;
-use xcscr_sensing::{
-    FilterState, Moment, Onboard, Readings, Return, SensorState, Sensors, Streams,
-};
+use xcscr_sensing::{Moment, Onboard, Readings, Return, Sensors, Streams};
 
 /// Number of lidar turns before the first action of an episode. In one turn only two beams may pass
 /// a narrow gap, and losing one of them must not close the gap.
@@ -32,15 +29,6 @@ pub(super) struct Sensing {
     returns: Vec<Return>,
     estimates: Vec<Estimate>,
     beams: Vec<Beam>,
-}
-
-/// State of sensors and estimator that carries over between actions.
-#[derive(Clone, Serialize, Deserialize)]
-pub(super) struct SensingState {
-    sensors: SensorState,
-    filter: FilterState,
-    surroundings: Surroundings,
-    obstacles: Obstacles,
 }
 
 impl Sensing {
@@ -68,24 +56,6 @@ impl Sensing {
             turn_radps,
         };
         (onboard.estimate().0, speeds)
-    }
-
-    /// Returns the state for a snapshot between two actions.
-    pub(super) fn state(&self) -> SensingState {
-        SensingState {
-            sensors: self.sensors.state(),
-            filter: self.pilot.onboard().filter().clone(),
-            surroundings: self.pilot.onboard().surroundings().clone(),
-            obstacles: self.pilot.onboard().obstacles().clone(),
-        }
-    }
-
-    /// Restores a snapshot.
-    pub(super) fn set_state(&mut self, state: &SensingState) {
-        self.sensors.set_state(&state.sensors);
-        let state = state.clone();
-        self.pilot
-            .restore(state.filter, state.surroundings, state.obstacles);
     }
 
     /// Clears the data shown to observers of the last action.

@@ -6,7 +6,6 @@ use rapier2d::prelude::{
     NarrowPhase, PhysicsWorld, Pose, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet,
     Rotation, SharedShape, Vector,
 };
-use serde::{Deserialize, Serialize};
 
 use super::contact::Listener;
 use super::params::PhysicsParams;
@@ -34,7 +33,7 @@ pub(super) struct Simulation {
 }
 
 /// Everything in the engine that a step can change.
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Clone)]
 pub(super) struct State {
     islands: IslandManager,
     broad_phase: BroadPhaseBvh,

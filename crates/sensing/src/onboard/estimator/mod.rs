@@ -13,7 +13,6 @@ mod predict;
 use std::sync::Arc;
 
 use nalgebra::{Isometry2, Matrix3, SMatrix, SVector, UnitComplex, Vector2};
-use serde::{Deserialize, Serialize};
 
 use self::fit::Fit;
 use super::angle::{ahead, rotation, square};
@@ -58,8 +57,8 @@ const MAX_STRAIN: f64 = 2.5;
 const STRAIN_DECAY: f64 = 0.7;
 
 /// The filter's state.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FilterState {
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct FilterState {
     pose: Isometry2<f64>,
     /// The gyro bias in rad/s.
     bias: f64,
@@ -83,7 +82,7 @@ pub struct FilterState {
 }
 
 /// The estimated motion in the last step.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct LastStep {
     way: Vector2<f64>,
     turned_rad: f64,
@@ -218,14 +217,20 @@ impl Estimator {
         self.filter.slip.is_detected()
     }
 
-    /// Returns the whole state.
-    pub fn filter(&self) -> &FilterState {
-        &self.filter
+    /// Returns the way in metres and the turn in radians of the last step.
+    pub fn last_motion(&self) -> (Vector2<f64>, f64) {
+        (self.filter.last.way, self.filter.last.turned_rad)
     }
 
-    /// Restores a state between two actions.
-    pub fn set_filter(&mut self, filter: FilterState) {
-        self.filter = filter;
+    /// Returns the factor by which ranges are longer than measured.
+    pub fn range_scale(&self) -> f64 {
+        1.0 + self.filter.ranges
+    }
+
+    /// Returns the whole state.
+    #[cfg(test)]
+    pub fn filter(&self) -> &FilterState {
+        &self.filter
     }
 
     /// Begins an action, in which the wheels have a new scale error.
@@ -265,7 +270,7 @@ impl Estimator {
         Ray {
             origin: pose.translation.vector + (beam.moment - 1.0) * self.filter.last.way,
             direction: ahead(pose.rotation * back * beam.bearing),
-            range: beam.range_m.map(|range| range * (1.0 + self.filter.ranges)),
+            range: beam.range_m.map(|range| range * self.range_scale()),
         }
     }
 
