@@ -4,7 +4,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pyo3::prelude::*;
 use xcscr_learner::trial::Plan;
-use xcscr_robot::arena::{Arena, PhysicsArena, WheelDrive};
+use xcscr_robot::arena::{Robot, WheelDrive};
 use xcscr_robot::world::Maze;
 
 use crate::plan::{Choice, invalid};
@@ -30,8 +30,8 @@ impl Wheels {
     fn new(py: Python<'_>, choice: Choice) -> PyResult<Self> {
         py.detach(|| {
             let Plan { maze, config } = choice.plan(None, 1)?;
-            let arena = PhysicsArena::new(maze.clone(), config.settings.physics, config.seed);
-            let drive = WheelDrive::new(arena.map_err(invalid)?);
+            let robot = Robot::new(maze.clone(), config.settings.physics, config.seed);
+            let drive = WheelDrive::new(robot.map_err(invalid)?);
             Ok(Self {
                 drive: Mutex::new(drive),
                 maze,
@@ -76,7 +76,7 @@ impl Wheels {
     /// Returns the pose in the map frame: x and y in metres, heading in radians from the x axis.
     #[getter]
     fn pose(&self) -> (f64, f64, f64) {
-        let pose = self.drive().arena().view().now().robot_in_map;
+        let pose = self.drive().view().now().robot_in_map;
         (
             pose.translation.x,
             pose.translation.y,

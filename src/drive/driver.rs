@@ -13,7 +13,7 @@ use super::setup::DriveSetup;
 use super::timeline::Timeline;
 use super::watch::{Watch, Watched};
 use crate::agent::{Agent, Explorer, Frozen};
-use crate::arena::{ManeuverEnd, Outcome, Pilot, Speeds};
+use crate::arena::{Outcome, Pilot, Speeds};
 use crate::streams::StreamName;
 use crate::world::{Cell, Maze};
 use xcs::random::Stream;
@@ -106,7 +106,6 @@ pub struct Driver {
     /// The start and the end of the phase, in nanoseconds of the robot's clock.
     since_ns: u64,
     until_ns: u64,
-    timed_out: bool,
     decisions: u32,
     action: Option<Action>,
     has_scan: bool,
@@ -133,7 +132,6 @@ impl Driver {
             phase: Phase::Waiting,
             since_ns: 0,
             until_ns: 0,
-            timed_out: false,
             decisions: 0,
             action: None,
             has_scan: false,
@@ -210,7 +208,7 @@ impl Driver {
         while self.phase != Phase::Waiting
             && let Some(readings) = self.timeline.next_step()
         {
-            let before = self.pilot.onboard().estimate().0;
+            let before = self.pilot.estimate().0;
             self.pilot.sense(&StepOfSensors {
                 rolled_m: readings.rolled_m,
                 turned_rad: readings.turned_rad,
@@ -218,7 +216,7 @@ impl Driver {
                 over_marker: false,
                 beams: &readings.beams,
             });
-            let (pose, covariance) = self.pilot.onboard().estimate();
+            let (pose, covariance) = self.pilot.estimate();
             let moved = before.inverse() * pose;
             let (maze, range_m) = (&self.setup.maze, self.setup.physics.lidar.range_m);
             let turn = self
@@ -253,7 +251,7 @@ impl Driver {
     /// Returns the current pose in the grid frame, the speeds, and the time of the newest odometry.
     fn now(&self) -> Option<(Isometry2<f64>, Speeds, u64)> {
         let (time_ns, _, speeds) = self.timeline.latest()?;
-        let pose = self.pilot.onboard().estimate().0 * self.timeline.since()?;
+        let pose = self.pilot.estimate().0 * self.timeline.since()?;
         Some((pose, speeds, time_ns))
     }
 
@@ -263,18 +261,12 @@ impl Driver {
         }
         let (in_grid, _, stamp_ns) = self.now()?;
         let maze = &self.setup.maze;
-        let mut covariance = self.pilot.onboard().estimate().1;
-        if let Some(grid) = maze.grid_in_map() {
-            let turn = grid.rotation.to_rotation_matrix().into_inner();
-            let turn = turn.to_homogeneous();
-            covariance = turn * covariance * turn.transpose();
-        }
         let robot_in_map = maze.pose_in_map(in_grid);
         let (_, robot_in_odom, _) = self.timeline.latest()?;
         Some(Belief {
             stamp_ns,
             robot_in_map,
-            covariance,
+            covariance: maze.covariance_in_map(self.pilot.estimate().1),
             odom_in_map: robot_in_map * robot_in_odom.inverse(),
             cell: maze.cell_in_grid(in_grid.translation.vector.into()),
         })
@@ -317,7 +309,7 @@ impl Driver {
         };
         self.decisions += 1;
         self.pilot.begin(direction, pose, speeds);
-        (self.phase, self.since_ns, self.timed_out) = (Phase::Driving, time_ns, false);
+        (self.phase, self.since_ns) = (Phase::Driving, time_ns);
         self.action = Some(action);
         step.decision = Some(Decision {
             number: self.decisions,
@@ -336,8 +328,6 @@ impl Driver {
 
     /// Returns the speeds of the current manoeuvre; rest once it is over.
     fn drive(&mut self, pose: Isometry2<f64>, speeds: Speeds, time_ns: u64) -> Speeds {
-        let passed_ns = time_ns.saturating_sub(self.since_ns);
-        self.timed_out = passed_ns as f64 > self.setup.physics.time_out_s * 1e9;
         if let Some(direction) = self.pilot.travel_direction(pose)
             && let Some((_, in_odom, _)) = self.timeline.latest()
         {
@@ -354,29 +344,20 @@ impl Driver {
                 self.pilot.back_off();
             }
         }
-        let command = self.pilot.command(pose, speeds);
-        match command.filter(|_| !self.timed_out) {
-            Some(command) => command,
-            None => {
-                // The lidar must have completed a turn since the action began.
-                self.until_ns = time_ns.max(self.since_ns + self.turn_ns());
-                self.phase = Phase::Settling;
-                Speeds::default()
-            }
-        }
+        let passed_ns = time_ns.saturating_sub(self.since_ns);
+        self.pilot
+            .command(pose, speeds, passed_ns)
+            .unwrap_or_else(|| {
+                (self.phase, self.until_ns) = (Phase::Settling, time_ns);
+                Speeds::REST
+            })
     }
 
     /// Determines the outcome of the action, and decides again unless the drive is over.
     fn end_action(&mut self, step: &mut DriverStep) {
-        let end = self.pilot.end();
         let is_goal = |cell| self.setup.maze.is_goal(cell);
         let at_goal = self.pilot.cell(&self.setup.maze).is_some_and(is_goal);
-        let outcome = match end {
-            _ if at_goal => Outcome::ReachedGoal,
-            Some(ManeuverEnd::Blocked) if !self.timed_out => Outcome::Collided { impulse_ns: None },
-            Some(ManeuverEnd::Reached) if !self.timed_out => Outcome::Moved,
-            _ => Outcome::Stalled,
-        };
+        let outcome = self.pilot.end(at_goal);
         if let Some(action) = self.action.take() {
             self.policy.update(action, outcome, None);
         }

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::watch::Frames;
 use crate::agent::Knowledge;
-use crate::arena::{ArenaKind, PhysicsParams, check_fit};
+use crate::arena::{ArenaKind, Localisation, PhysicsParams, check_fit};
 use crate::error::{Error, ErrorKind};
 use crate::sensor::Sensor;
 use crate::trial::{Plan, RobotProfile};
@@ -91,7 +91,11 @@ impl DriveSetup {
             step_threshold: config.settings.reward.step_threshold,
             seed: config.seed,
             knowledge: knowledge.clone(),
-            physics,
+            // A real robot is told its pose by nobody.
+            physics: PhysicsParams {
+                localisation: Localisation::Estimated,
+                ..physics
+            },
             maze,
         })
     }

@@ -5,7 +5,7 @@ use nalgebra::Isometry2;
 use super::readings::{Imu, Odometry, Scan};
 use super::setup::in_grid;
 use super::timeline::STEP_NS;
-use crate::arena::{PhysicsError, PhysicsParams, SensedDrive, Speeds};
+use crate::arena::{PhysicsError, PhysicsParams, Robot, Speeds};
 use crate::record::rolled;
 use crate::world::Maze;
 
@@ -27,9 +27,10 @@ pub struct SimulatedReadings {
 
 /// The physics arena as a robot that is controlled by speeds.
 pub struct SimulatedRobot {
-    drive: SensedDrive,
+    robot: Robot,
     in_odom: Isometry2<f64>,
     command: Speeds,
+    was_at_rest: bool,
     commanded_ns: Option<u64>,
     /// The current lidar turn: the time of its first beam, and the ranges so far.
     turn: Option<(u64, Vec<f64>)>,
@@ -53,12 +54,13 @@ impl SimulatedRobot {
             None => Isometry2::translation(middle.x, middle.y),
             Some(start) => in_grid(&maze, start),
         };
-        let mut drive = SensedDrive::new(maze, params, seed)?;
-        drive.put_down(pose);
+        let mut robot = Robot::new(maze, params.clone(), seed)?;
+        robot.put_down(pose);
         Ok(Self {
-            drive,
+            robot,
             in_odom: Isometry2::identity(),
-            command: Speeds::default(),
+            command: Speeds::REST,
+            was_at_rest: true,
             commanded_ns: None,
             turn: None,
         })
@@ -67,42 +69,48 @@ impl SimulatedRobot {
     /// Sets the command, which is in effect for half a second of simulated time.
     pub fn command(&mut self, speeds: Speeds) {
         self.command = speeds;
-        self.commanded_ns = Some(self.drive.time_ns());
+        self.commanded_ns = Some(self.robot.time_ns());
     }
 
     /// Returns the true pose in the map frame, in metres.
     pub fn true_pose(&self) -> Isometry2<f64> {
-        self.drive.view().now().robot_in_map
+        self.robot.maze().pose_in_map(self.robot.pose())
     }
 
     /// Moves the robot to a pose of the grid frame without any sensor reading.
     pub fn kidnap(&mut self, pose: Isometry2<f64>) {
-        self.drive.put_down(pose);
+        self.robot.put_down(pose);
     }
 
     /// Returns true if the robot is in a goal cell.
     pub fn is_at_goal(&self) -> bool {
-        let view = self.drive.view();
-        let at = view.now().robot_in_map.translation.vector.into();
-        let cell = view.maze.cell_at(at);
-        cell.is_some_and(|cell| view.maze.is_goal(cell))
+        let at = self.robot.pose().translation.vector.into();
+        let maze = self.robot.maze();
+        maze.cell_in_grid(at).is_some_and(|cell| maze.is_goal(cell))
     }
 
     /// Returns the total impulse of the collisions during the last step, in newton-seconds.
     pub fn impulse_ns(&self) -> f64 {
-        self.drive.view().impulse_ns()
+        self.robot.impulse_ns()
     }
 
     /// Simulates 50 ms.
     pub fn step(&mut self) -> SimulatedReadings {
-        let begin_ns = self.drive.time_ns();
+        let begin_ns = self.robot.time_ns();
         let is_fresh = |at_ns: u64| begin_ns - at_ns < COMMAND_NS;
         if !self.commanded_ns.is_some_and(is_fresh) {
-            self.command = Speeds::default();
+            self.command = Speeds::REST;
         }
-        let params = self.drive.params();
+        let is_at_rest = self.command == Speeds::REST;
+        if self.was_at_rest && !is_at_rest {
+            self.robot.begin_action();
+        }
+        self.was_at_rest = is_at_rest;
+        let params = self.robot.params();
         let (base_m, beams) = (params.wheel_base_m, params.lidar.beams);
-        let readings = self.drive.step(self.command);
+        self.robot.begin_trace();
+        self.robot.step(self.command, false);
+        let readings = self.robot.read();
         let moved = rolled([0.0; 2], readings.rolled_m, base_m);
         let turned_rad = readings.turned_rad;
         let mut ended = None;
@@ -122,7 +130,7 @@ impl SimulatedRobot {
         let rate = |change: f64| change / (STEP_NS as f64 * 1e-9);
         self.in_odom *= moved;
         self.in_odom.rotation.renormalize();
-        let time_ns = self.drive.time_ns();
+        let time_ns = self.robot.time_ns();
         SimulatedReadings {
             time_ns,
             odometry: Odometry {
@@ -140,7 +148,7 @@ impl SimulatedRobot {
                 turn_radps: rate(turned_rad),
             }),
             scan: ended.map(|(stamp_ns, ranges_m)| {
-                Scan::of_turn(stamp_ns, &self.drive.params().lidar, ranges_m)
+                Scan::of_turn(stamp_ns, &self.robot.params().lidar, ranges_m)
             }),
         }
     }

@@ -18,7 +18,7 @@ mod whole;
 
 pub use onboard::{Field, Obstacles, Onboard, Surface, Surroundings};
 pub use params::{
-    BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams, Robot,
+    BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams, RobotParams,
 };
 pub use readings::{Readings, Return};
 pub use sensors::{Moment, Push, Sensors, Streams, Terrain, cast};

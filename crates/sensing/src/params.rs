@@ -12,7 +12,7 @@ const RANGE_IN_CELLS: f64 = 1.9;
 
 /// The parameters of a robot that its sensors and its onboard computer need.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Robot {
+pub struct RobotParams {
     /// Multiplies all deviations and rates of the sensors; 0 switches noise off.
     pub noise: f64,
     /// The edge length of the grid's cells in metres. Walls are on the lines of this grid.

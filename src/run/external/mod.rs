@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::error;
 use super::facts::run_info;
 use crate::agent::{Explorer, Knowledge};
-use crate::arena::{Arena, ArenaKind, PhysicsArena, Sample, WheelDrive};
+use crate::arena::{Arena, ArenaKind, Robot, Sample, WheelDrive};
 use crate::episode;
 use crate::error::Error;
 use crate::record::{RecordMode, RecordSummary, Recorder, RunInfo, RunKind};
@@ -195,11 +195,9 @@ impl ExternalRecorder {
         let ExternalActions::Wheels(wheels) = &episode.actions else {
             return Ok(config.build_arena(maze)?);
         };
-        let arena = PhysicsArena::new(maze.clone(), config.settings.physics, config.seed)?;
-        Ok(Box::new(ScriptedWheels::new(
-            WheelDrive::new(arena),
-            wheels.clone(),
-        )))
+        let robot = Robot::new(maze.clone(), config.settings.physics, config.seed)?;
+        let drive = WheelDrive::new(robot);
+        Ok(Box::new(ScriptedWheels::new(drive, wheels.clone())))
     }
 
     /// Checks that an episode can be repeated.

@@ -120,7 +120,7 @@ impl Arena for ScriptedWheels {
     fn view(&self) -> View<'_> {
         View {
             wheels_mps: Some(self.last_mps),
-            ..self.drive.arena().view()
+            ..self.drive.view()
         }
     }
 

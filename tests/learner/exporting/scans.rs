@@ -1,13 +1,13 @@
 //! Percepts from scans: exported code and the robot see the same.
 
 use nalgebra::{Complex, Isometry2, Point2, Rotation2, Translation2, UnitComplex, Vector2};
-use xcscr::arena::{ArenaKind, PhysicsParams, Sample, Sensed, View};
+use xcscr::arena::{ArenaKind, LocalMap, PhysicsParams};
 use xcscr::export::Target;
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
 use xcscr::world::{Cell, Direction, Maze};
 use xcscr::xcs::random::Stream;
-use xcscr_sensing::{Moment, Onboard, Return, Robot, Sensors, Streams, cast};
+use xcscr_sensing::{Moment, Onboard, Return, RobotParams, Sensors, Streams, cast};
 
 use super::frame::{exported, in_map};
 use super::program::{LANGUAGES, Program, Questions};
@@ -68,10 +68,10 @@ fn in_python_a_whole_scan_at_rest_shows_what_a_perfect_lidar_shows() {
 }
 
 /// The robot of the physics arena, as its sensors need to know it, of which so many beams do not come back.
-fn robot(maze: &Maze, dropouts: f64) -> Robot {
+fn robot(maze: &Maze, dropouts: f64) -> RobotParams {
     let mut params = PhysicsParams::default();
     (params.lidar.dropouts, params.lidar.outliers) = (dropouts, dropouts / 4.0);
-    Robot {
+    RobotParams {
         noise: 1.0,
         cell_size_m: maze.cell_size_m(),
         wheel_base_m: params.wheel_base_m,
@@ -211,30 +211,12 @@ impl<'a> Drive<'a> {
             col: east.clamp(0, width - 1) as u16,
             row: (height - 1 - north).clamp(0, height - 1) as u16,
         };
-        let sensed = Sensed {
+        let local_map = LocalMap {
             surroundings: self.onboard.surroundings(),
             obstacles: self.onboard.obstacles(),
             cell,
-            estimates: &[],
-            beams: &[],
-            mislocalised: false,
         };
-        let sample = Sample {
-            time_ns: 0,
-            robot_in_map: Isometry2::identity(),
-            wheel_travel_m: [0.0; 2],
-        };
-        let view = View {
-            maze: self.maze,
-            cell,
-            trace: &[sample],
-            contacts: &[],
-            sensed: Some(sensed),
-            executed: None,
-            flipped: None,
-            wheels_mps: None,
-        };
-        SCANNING.map(|sensor| sensor.perceive(&view).to_string())
+        SCANNING.map(|sensor| sensor.sense(self.maze, &local_map).to_string())
     }
 
     /// What a sensor perceived after each step.

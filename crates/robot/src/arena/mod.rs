@@ -21,10 +21,10 @@ pub use noisy_percepts::NoisyPerceptArena;
 pub use physics::check_fit;
 pub use physics::{
     Agreement, BumperParams, CautiousDriving, CautiousParams, EncoderParams, EstimatorParams,
-    FaultParams, GyroParams, LidarParams, Localisation, ManeuverEnd, PhysicsArena, PhysicsError,
-    PhysicsParams, Pilot, SensedDrive, Speeds, WheelDrive,
+    FaultParams, GyroParams, LidarParams, Localisation, PhysicsArena, PhysicsError, PhysicsParams,
+    Pilot, Robot, Speeds, WheelDrive,
 };
-pub use sensed::{Beam, Estimate, Sensed};
+pub use sensed::{Beam, Estimate, LocalMap, Sensed};
 pub use slip::ArenaParams;
 pub use slip::SlippingArena;
 

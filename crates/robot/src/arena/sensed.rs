@@ -51,9 +51,9 @@ pub struct Beam {
     pub range_m: Option<f64>,
 }
 
-/// The robot's sensor readings and estimates during the last reset or action.
+/// What the robot has observed around itself since its action began.
 #[derive(Debug, Clone, Copy)]
-pub struct Sensed<'a> {
+pub struct LocalMap<'a> {
     /// The cells around the robot, as estimated from the lidar.
     pub surroundings: &'a Surroundings,
     /// Evidence about obstacles that are not in the map; nothing in a maze.
@@ -61,6 +61,13 @@ pub struct Sensed<'a> {
     /// The robot's estimated cell in the grid. The robot knows the size of the grid but not its
     /// walls, so this cell may be a wall.
     pub cell: Cell,
+}
+
+/// The robot's sensor readings and estimates during the last reset or action.
+#[derive(Debug, Clone, Copy)]
+pub struct Sensed<'a> {
+    /// What it observed.
+    pub local_map: LocalMap<'a>,
     /// The estimated poses, one for each moment of the path.
     pub estimates: &'a [Estimate],
     /// The lidar beams, oldest first.
@@ -74,7 +81,7 @@ pub struct Sensed<'a> {
 /// the map. Noisy beams to the walls beside the path then end outside of it.
 const NARROWER: f64 = 0.5;
 
-impl Sensed<'_> {
+impl LocalMap<'_> {
     /// Returns true if an obstacle that is not in the map bars a move from the estimated cell, by a
     /// step to the east and to the north.
     pub fn is_blocked(&self, maze: &Maze, step: [i32; 2]) -> bool {

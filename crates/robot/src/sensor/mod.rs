@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use strum::{IntoStaticStr, VariantArray};
 pub use words::{ANYTHING, Alleles, Demands};
 
-use crate::arena::{ArenaKind, Sensed, View};
+use crate::arena::{ArenaKind, LocalMap, View};
 use crate::world::{Cell, Maze, Paths};
 use xcs::{Layout, Percept};
 
@@ -210,27 +210,27 @@ impl Sensor {
 
     /// Returns the percept without observation noise.
     fn unflipped(self, view: &View<'_>) -> Percept {
-        let maze = view.maze;
-        let sensed = view.sensed.filter(|_| self.is_sensed());
-        match sensed {
-            Some(sensed) if maze.is_from_map() => {
-                // As in a costmap: a layer from the map, and a layer from the scan, which covers the
-                // moves from the robot's cell.
-                let is_open = |at, step| {
-                    lidar::is_open(maze, sensed.cell, at, step)
-                        && (at != [0, 0] || !sensed.is_blocked(maze, step))
-                };
-                self.by_lidar(&is_open, maze, sensed.cell)
-            }
-            Some(Sensed {
-                surroundings, cell, ..
-            }) => {
-                let is_free = |[east, north]: [i32; 2]| surroundings.is_free(east, north);
-                let is_seen = |at, step| lidar::is_seen(&is_free, at, step);
-                self.by_lidar(&is_seen, maze, cell)
-            }
-            None => self.perceive_at(maze, view.cell),
+        match view.sensed.filter(|_| self.is_sensed()) {
+            Some(sensed) => self.sense(view.maze, &sensed.local_map),
+            None => self.perceive_at(view.maze, view.cell),
         }
+    }
+
+    /// Returns the percept from what the robot observed. Percepts that are looked up show the eight
+    /// cells around the robot, as a lidar does.
+    pub fn sense(self, maze: &Maze, local: &LocalMap<'_>) -> Percept {
+        if maze.is_from_map() {
+            // As in a costmap: a layer from the map, and a layer from the scan, which covers the
+            // moves from the robot's cell.
+            let is_open = |at, step| {
+                lidar::is_open(maze, local.cell, at, step)
+                    && (at != [0, 0] || !local.is_blocked(maze, step))
+            };
+            return self.by_lidar(&is_open, maze, local.cell);
+        }
+        let is_free = |[east, north]: [i32; 2]| local.surroundings.is_free(east, north);
+        let is_seen = |at, step| lidar::is_seen(&is_free, at, step);
+        self.by_lidar(&is_seen, maze, local.cell)
     }
 
     /// Returns the percept of a robot with perfect sensors in the middle of a free cell.

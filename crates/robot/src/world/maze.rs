@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Isometry2, Point2, Vector2};
+use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
 use super::cache::Cache;
@@ -288,6 +288,15 @@ impl Maze {
     pub fn vector_in_map(&self, vector_in_grid: Vector2<f64>) -> Vector2<f64> {
         self.grid_in_map()
             .map_or(vector_in_grid, |grid| grid * vector_in_grid)
+    }
+
+    /// Converts a covariance of x, y and heading from the grid frame to the map frame.
+    pub fn covariance_in_map(&self, covariance_in_grid: Matrix3<f64>) -> Matrix3<f64> {
+        self.grid_in_map().map_or(covariance_in_grid, |grid| {
+            let turn = grid.rotation.to_rotation_matrix().into_inner();
+            let turn = turn.to_homogeneous();
+            turn * covariance_in_grid * turn.transpose()
+        })
     }
 
     /// Converts a pose from the grid frame to the map frame.

@@ -1,6 +1,6 @@
 //! The sensor noise that the filter assumes.
 
-use crate::{Robot, STEP_S};
+use crate::{RobotParams, STEP_S};
 
 /// The sensor noise that the filter assumes: standard deviations, lengths in metres.
 #[derive(Debug, Clone)]
@@ -28,10 +28,10 @@ pub(super) struct Assumed {
 impl Assumed {
     /// Takes the data sheets of the sensors at their noise level, times the caution factor. Without
     /// noise a minimum of about a thousandth remains, because the simulation has rounding errors.
-    pub fn new(robot: &Robot) -> Self {
+    pub fn new(robot: &RobotParams) -> Self {
         let times = robot.noise * robot.estimator.caution;
         let of = |deviation: f64, least: f64| (times * deviation).max(least);
-        let Robot {
+        let RobotParams {
             lidar,
             encoders,
             gyro,

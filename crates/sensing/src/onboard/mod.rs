@@ -23,7 +23,7 @@ pub use self::field::{Field, Surface};
 use self::mapper::cell_of;
 pub use self::obstacles::Obstacles;
 pub use self::surroundings::Surroundings;
-use crate::{Readings, Return, Robot};
+use crate::{Readings, Return, RobotParams};
 
 /// The onboard computer: pose estimate and local map.
 #[derive(Debug, Clone)]
@@ -44,7 +44,7 @@ pub struct Onboard {
 
 impl Onboard {
     /// Creates an onboard computer with uncalibrated sensors and without a map.
-    pub fn new(robot: &Robot) -> Self {
+    pub fn new(robot: &RobotParams) -> Self {
         Self {
             estimator: Estimator::new(robot),
             surroundings: Surroundings::unknown([0; 2]),

@@ -11,8 +11,8 @@ use crate::{
 };
 
 /// Returns the default robot of the physics arena.
-fn robot() -> Robot {
-    Robot {
+fn robot() -> RobotParams {
+    RobotParams {
         noise: 1.0,
         cell_size_m: 1.0,
         wheel_base_m: 0.4,

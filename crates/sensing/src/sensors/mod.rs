@@ -14,7 +14,7 @@ use self::faults::Faults;
 use self::gyro::Gyro;
 use self::lidar::Lidar;
 pub use self::ray::cast;
-use crate::{Readings, Return, Robot};
+use crate::{Readings, Return, RobotParams};
 use xcs::random::Stream;
 
 /// The solid geometry that the robot drives through: a raster of pixels, counted to the right and
@@ -88,7 +88,7 @@ pub struct Sensors {
 impl Sensors {
     /// Creates the sensors of a robot. Properties that differ between robots are drawn from
     /// `streams`.
-    pub fn new(robot: &Robot, streams: Streams) -> Self {
+    pub fn new(robot: &RobotParams, streams: Streams) -> Self {
         let level = robot.noise;
         Self {
             lidar: Lidar::new(&robot.lidar, level, streams.lidar),

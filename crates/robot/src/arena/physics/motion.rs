@@ -18,6 +18,11 @@ pub(super) struct Motion {
 }
 
 impl Motion {
+    /// Returns the motion of a robot at rest.
+    pub fn at_rest(pose: Isometry2<f64>) -> Self {
+        Self::of(pose, Speeds::REST)
+    }
+
     /// Returns the motion of a robot at a pose with these speeds, which does not slide sideways.
     pub fn of(pose: Isometry2<f64>, speeds: Speeds) -> Self {
         Self {
@@ -44,6 +49,12 @@ impl Speeds {
         forward_mps: 0.0,
         turn_radps: 0.0,
     };
+
+    /// Returns the speeds of the left and right rim in m/s.
+    pub(super) fn rims_mps(self, params: &PhysicsParams) -> [f64; 2] {
+        let turn = self.turn_radps * params.wheel_base_m / 2.0;
+        [self.forward_mps - turn, self.forward_mps + turn]
+    }
 
     /// Returns the speeds within the limits of the settings. NaN becomes 0.
     pub(super) fn limited(self, params: &PhysicsParams) -> Self {

@@ -6,7 +6,7 @@ use super::cautious::CautiousParams;
 use xcs::bounds::{OutOfRange, Setting, within};
 use xcs::settings;
 use xcscr_sensing::{
-    BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams, Robot,
+    BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams, RobotParams,
 };
 
 /// How the robot is localised.
@@ -202,8 +202,8 @@ impl PhysicsParams {
 
     /// Returns the robot as its sensors and its onboard computer need to know it, in a maze with
     /// cells of `cell_size_m`.
-    pub(super) fn robot(&self, cell_size_m: f64) -> Robot {
-        Robot {
+    pub(super) fn robot(&self, cell_size_m: f64) -> RobotParams {
+        RobotParams {
             noise: self.noise,
             cell_size_m,
             wheel_base_m: self.wheel_base_m,

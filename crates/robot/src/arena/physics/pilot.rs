@@ -1,30 +1,26 @@
-//! The onboard computer and the controller of a robot, in the arena or outside of it: a real one, or
-//! one behind a network.
+//! The pilot of a robot: localisation and controller, in the arena or on a real robot.
 
 use std::sync::Arc;
 
-use nalgebra::{Isometry2, Vector2};
-use xcscr_sensing::{Onboard, Readings};
+use nalgebra::{Isometry2, Matrix3, Vector2};
+use xcscr_sensing::{Onboard, Readings, STEP_S};
 
 use super::cautious::profile;
 use super::controller::Maneuver;
 use super::motion::{Motion, Speeds};
 use super::params::PhysicsParams;
-use super::{lengths_m, vector};
-use crate::arena::{Estimate, Sample, Sensed, View};
+use super::{Localisation, STEP_NS, lengths_m, vector};
+use crate::arena::{LocalMap, Outcome};
 use crate::sensor::Sensor;
 use crate::world::{Cell, Direction, Maze};
 use xcs::Percept;
 
-/// How a manoeuvre ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ManeuverEnd {
-    /// The robot is in the target cell.
-    Reached,
-    /// A wall blocked the robot, and it is back in the cell where it started.
-    Blocked,
-    /// The robot is in another cell.
-    Elsewhere,
+/// Where the pilot has the robot's pose from.
+enum Localiser {
+    /// From the sensors of the robot.
+    Onboard(Box<Onboard>),
+    /// From outside: the motion that was reported last.
+    Told(Motion),
 }
 
 /// The current manoeuvre.
@@ -34,82 +30,171 @@ struct Action {
     home: [i32; 2],
     /// The target cell.
     wanted: [i32; 2],
+    /// The motion at the last command.
+    seen: Motion,
+    timed_out: bool,
 }
 
-/// The onboard computer and the controller of a robot that localises itself. It drives the robot
-/// of [`PhysicsArena`](super::PhysicsArena), and robots that the arena does not simulate.
+/// Localises a robot and drives it from cell to cell: readings in, speeds out. The pilot of
+/// [`PhysicsArena`](super::PhysicsArena) is the pilot of a real robot.
 ///
-/// The filter processes sensor readings in steps of 50 ms ([`sense`](Self::sense)), possibly late.
-/// The controller uses the current pose ([`command`](Self::command)). All poses are in the grid
-/// frame, in metres.
+/// One action is [`begin`](Self::begin), then in each step [`command`](Self::command) and
+/// [`sense`](Self::sense), then [`end`](Self::end). The filter processes sensor readings in steps of
+/// 50 ms, possibly late; a command takes the current pose. All poses are in the grid frame, in
+/// metres.
 pub struct Pilot {
-    onboard: Onboard,
+    localiser: Localiser,
     params: PhysicsParams,
     careful: PhysicsParams,
     /// The length of a move, and the distance from its end within which no wall stops it, in
     /// metres.
     lengths_m: [f64; 2],
+    cell_size_m: f64,
     action: Option<Action>,
 }
 
 impl Pilot {
-    /// Creates a pilot for a robot with these settings. The robot knows the size of the cells, and
+    /// Creates a pilot for a robot with these settings. The pilot knows the size of the cells, and
     /// in a world from a map the map.
     pub fn new(params: &PhysicsParams, maze: &Maze) -> Self {
         let cell_size_m = maze.cell_size_m();
-        let onboard = Onboard::new(&params.robot(cell_size_m));
-        let solid = maze.is_from_map().then(|| Arc::clone(maze.solid()));
+        let localiser = match params.localisation {
+            Localisation::GroundTruth => Localiser::Told(Motion::at_rest(Isometry2::identity())),
+            Localisation::Estimated => {
+                let onboard = Onboard::new(&params.robot(cell_size_m));
+                Localiser::Onboard(Box::new(match maze.is_from_map() {
+                    true => onboard.with_map(Arc::clone(maze.solid()) as _),
+                    false => onboard,
+                }))
+            }
+        };
         Self {
-            onboard: match solid {
-                Some(solid) => onboard.with_map(solid),
-                None => onboard,
-            },
+            localiser,
             careful: params.careful(),
             params: params.clone(),
             lengths_m: lengths_m(maze, params),
+            cell_size_m,
             action: None,
         }
     }
 
-    /// Sets the pose of the robot, accurate to about a centimetre.
+    /// Sets the pose of the robot at rest, accurate to about a centimetre.
     pub fn put_down(&mut self, pose: Isometry2<f64>) {
-        self.onboard.put_down(pose);
         self.action = None;
+        match &mut self.localiser {
+            Localiser::Onboard(onboard) => onboard.put_down(pose),
+            Localiser::Told(motion) => *motion = Motion::at_rest(pose),
+        }
     }
 
-    /// Processes the sensor readings of the next 50 ms.
+    /// Processes the sensor readings of the next 50 ms. A bumper that closes in the direction of
+    /// travel makes the robot drive back.
     pub fn sense(&mut self, readings: &Readings<'_>) {
-        self.onboard.step(readings);
+        if let Localiser::Onboard(onboard) = &mut self.localiser {
+            onboard.step(readings);
+            let [front, rear] = onboard.bumped();
+            let action = self.action.as_ref();
+            if action.is_some_and(|action| match action.maneuver.front_leads() {
+                true => front,
+                false => rear,
+            }) {
+                self.stop_at_wall();
+            }
+        }
     }
 
-    /// Returns the onboard computer, for its estimates.
-    pub fn onboard(&self) -> &Onboard {
-        &self.onboard
+    /// Takes the measured motion of a robot that does not localise itself.
+    pub(super) fn locate(&mut self, measured: Motion) {
+        self.localiser = Localiser::Told(measured);
+    }
+
+    /// Makes the robot drive back because of a wall ahead, unless the wall is behind the target.
+    pub(super) fn stop_at_wall(&mut self) {
+        if let Some(action) = &mut self.action
+            && action.maneuver.is_stopped_by_walls(&action.seen)
+        {
+            action.maneuver.back_off();
+        }
+    }
+
+    /// Returns the onboard computer, for its observations; `None` without one.
+    pub fn onboard(&self) -> Option<&Onboard> {
+        match &self.localiser {
+            Localiser::Onboard(onboard) => Some(onboard),
+            Localiser::Told(_) => None,
+        }
+    }
+
+    /// Returns the estimated pose, and the covariance of x, y and heading.
+    pub fn estimate(&self) -> (Isometry2<f64>, Matrix3<f64>) {
+        match &self.localiser {
+            Localiser::Onboard(onboard) => onboard.estimate(),
+            Localiser::Told(motion) => (motion.pose, Matrix3::zeros()),
+        }
+    }
+
+    /// Returns the estimated speeds.
+    pub fn speeds(&self) -> Speeds {
+        let (forward_mps, turn_radps) = match &self.localiser {
+            Localiser::Onboard(onboard) => onboard.speeds(),
+            Localiser::Told(motion) => (motion.forward_mps, motion.turn_radps),
+        };
+        Speeds {
+            forward_mps,
+            turn_radps,
+        }
+    }
+
+    /// Returns true if wheel slip was detected recently.
+    pub fn slips(&self) -> bool {
+        self.onboard().is_some_and(Onboard::slips)
     }
 
     /// Starts to drive one cell in a direction, from a pose and speeds. Discards earlier
     /// observations.
     pub fn begin(&mut self, direction: Direction, pose: Isometry2<f64>, speeds: Speeds) {
-        self.onboard.begin_action();
-        let home = self.onboard.cell();
+        if let Localiser::Onboard(onboard) = &mut self.localiser {
+            onboard.begin_action();
+        }
+        let home = self.grid_cell();
+        let middle = home.map(|cells| (f64::from(cells) + 0.5) * self.cell_size_m);
         let (east, south) = direction.offset();
-        let middle = self.onboard.middle();
         let seen = Motion::of(pose, speeds);
         self.action = Some(Action {
-            maneuver: Maneuver::new(middle, vector(direction), self.lengths_m, &seen),
+            maneuver: Maneuver::new(middle.into(), vector(direction), self.lengths_m, &seen),
             home,
             wanted: [home[0] + east, home[1] - south],
+            seen,
+            timed_out: false,
         });
     }
 
-    /// Returns the commanded speeds of the manoeuvre for a robot at this pose and with these
-    /// speeds. Returns `None` if the manoeuvre is over, or there is none. The speeds never exceed
-    /// the robot's settings.
-    pub fn command(&mut self, pose: Isometry2<f64>, speeds: Speeds) -> Option<Speeds> {
-        let params = profile(&self.params, &self.careful, self.onboard.slips());
-        let maneuver = &mut self.action.as_mut()?.maneuver;
-        let speeds = maneuver.command(&Motion::of(pose, speeds), params)?;
-        Some(speeds.limited(&self.params))
+    /// Returns the commanded speeds of the manoeuvre, `passed_ns` nanoseconds after its begin, for a robot at this
+    /// pose and with these speeds. Returns `None` if the manoeuvre is over, or there is none. The
+    /// robot rests at its end until the lidar has completed a turn. The speeds never exceed the
+    /// robot's settings.
+    pub fn command(
+        &mut self,
+        pose: Isometry2<f64>,
+        speeds: Speeds,
+        passed_ns: u64,
+    ) -> Option<Speeds> {
+        let params = profile(&self.params, &self.careful, self.slips());
+        let turn_ns = match self.localiser {
+            Localiser::Onboard(_) => self.params.lidar.steps_per_turn() * STEP_NS,
+            Localiser::Told(_) => 0,
+        };
+        let action = self.action.as_mut()?;
+        let time_out_steps = (self.params.time_out_s / STEP_S).round() as u64;
+        if passed_ns >= time_out_steps * STEP_NS {
+            action.timed_out = true;
+            return None;
+        }
+        action.seen = Motion::of(pose, speeds);
+        match action.maneuver.command(&action.seen, params) {
+            Some(speeds) => Some(speeds.limited(&self.params)),
+            None => (passed_ns < turn_ns).then_some(Speeds::REST),
+        }
     }
 
     /// Returns the direction of travel as a unit vector while a wall could block the manoeuvre.
@@ -117,7 +202,7 @@ impl Pilot {
     /// off.
     pub fn travel_direction(&self, pose: Isometry2<f64>) -> Option<Vector2<f64>> {
         let maneuver = &self.action.as_ref()?.maneuver;
-        let seen = Motion::of(pose, Speeds::REST);
+        let seen = Motion::at_rest(pose);
         maneuver
             .is_stopped_by_walls(&seen)
             .then(|| maneuver.along())
@@ -129,19 +214,6 @@ impl Pilot {
         action.map_or(Vector2::x(), |action| action.maneuver.along())
     }
 
-    /// Returns true if the bumper in the direction of the manoeuvre is closed.
-    pub(super) fn is_bumped(&self) -> bool {
-        let [front, rear] = self.onboard.bumped();
-        let action = self.action.as_ref();
-        action.is_some_and(|action| {
-            if action.maneuver.front_leads() {
-                front
-            } else {
-                rear
-            }
-        })
-    }
-
     /// Makes the robot drive back to where the manoeuvre started, because of an obstacle.
     pub fn back_off(&mut self) {
         if let Some(action) = &mut self.action {
@@ -149,55 +221,59 @@ impl Pilot {
         }
     }
 
-    /// Ends the manoeuvre. Returns its end by the estimated cell; `None` without a manoeuvre.
-    pub fn end(&mut self) -> Option<ManeuverEnd> {
-        let action = self.action.take()?;
-        let cell = self.onboard.cell();
-        Some(if action.maneuver.backs_off() && cell == action.home {
-            ManeuverEnd::Blocked
-        } else if cell == action.wanted {
-            ManeuverEnd::Reached
+    /// Ends the manoeuvre. Returns its outcome by the estimated cell, for a robot that is in a goal
+    /// or not. Without a manoeuvre the robot has stalled.
+    pub fn end(&mut self, at_goal: bool) -> Outcome {
+        let cell = self.grid_cell();
+        let Some(action) = self.action.take() else {
+            return Outcome::Stalled;
+        };
+        let in_time = !action.timed_out;
+        if in_time && action.maneuver.backs_off() && cell == action.home {
+            Outcome::Collided { impulse_ns: None }
+        } else if at_goal {
+            Outcome::ReachedGoal
+        } else if in_time && cell == action.wanted {
+            Outcome::Moved
         } else {
-            ManeuverEnd::Elsewhere
-        })
+            Outcome::Stalled
+        }
     }
 
     /// Returns the estimated cell of a maze; `None` outside of the maze.
     pub fn cell(&self, maze: &Maze) -> Option<Cell> {
-        maze.cell_in_grid(self.onboard.estimate().0.translation.vector.into())
+        maze.cell_in_grid(self.estimate().0.translation.vector.into())
+    }
+
+    /// Returns the estimated cell, counted to the east and to the north.
+    fn grid_cell(&self) -> [i32; 2] {
+        match &self.localiser {
+            Localiser::Onboard(onboard) => onboard.cell(),
+            Localiser::Told(motion) => {
+                let at = motion.pose.translation.vector / self.cell_size_m;
+                // The grid has at most 65,535 cells on a side.
+                [at.x.floor() as i32, at.y.floor() as i32]
+            }
+        }
     }
 
     /// Returns the percept from the observations since the manoeuvre began; `None` outside of the
     /// maze.
     pub fn percept(&self, maze: &Maze, sensor: Sensor) -> Option<Percept> {
         let cell = self.cell(maze)?;
-        let (robot_in_grid, covariance) = self.onboard.estimate();
-        let robot_in_map = maze.pose_in_map(robot_in_grid);
-        let estimate = Estimate {
-            robot_in_map,
-            covariance,
-        };
-        let sample = Sample {
-            time_ns: 0,
-            robot_in_map,
-            wheel_travel_m: [0.0; 2],
-        };
-        Some(sensor.perceive(&View {
-            maze,
-            cell,
-            trace: &[sample],
-            contacts: &[],
-            sensed: Some(Sensed {
-                surroundings: self.onboard.surroundings(),
-                obstacles: self.onboard.obstacles(),
-                cell,
-                estimates: &[estimate],
-                beams: &[],
-                mislocalised: false,
-            }),
-            executed: None,
-            flipped: None,
-            wheels_mps: None,
-        }))
+        let onboard = self.onboard().filter(|_| sensor.is_sensed());
+        Some(match onboard {
+            Some(onboard) => sensor.sense(maze, &local_map(onboard, cell)),
+            None => sensor.perceive_at(maze, cell),
+        })
+    }
+}
+
+/// Returns what an onboard computer has observed of a robot in `cell`.
+pub(super) fn local_map(onboard: &Onboard, cell: Cell) -> LocalMap<'_> {
+    LocalMap {
+        surroundings: onboard.surroundings(),
+        obstacles: onboard.obstacles(),
+        cell,
     }
 }

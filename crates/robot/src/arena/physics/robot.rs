@@ -1,77 +1,284 @@
-//! The robot's drive: two wheels whose force is limited by the floor's friction.
+//! The simulated robot: commanded speeds in, sensor readings out, in steps of 50 ms.
 
-use nalgebra::{Complex, Isometry2, Translation2, UnitComplex, Vector2};
-use rapier2d::prelude::{RigidBody, Vector};
+use nalgebra::{Isometry2, Point2, Vector2};
 
-use super::STEP_S;
+use super::cautious::profile;
+use super::contact::{Hits, is_frontal};
 use super::motion::{Motion, Speeds};
-use super::params::{PhysicsParams, grip_mps2};
+use super::noise::Noise;
+use super::params::PhysicsParams;
+use super::simulation::{Simulation, State, pose_of};
+use super::wheels::{Wheels, true_motion};
+use super::{PhysicsError, STEP_NS, blocks, fit, simulation};
+use crate::arena::{Contact, Sample, View, first_cell};
+use crate::streams::StreamName;
+use crate::world::{Cell, Maze};
+use xcs::random::Stream;
+use xcscr_sensing::{Moment, Readings, Return, Sensors, Streams};
 
-/// Returns the true motion of the robot's body in the engine.
-pub(super) fn true_motion(body: &RigidBody) -> Motion {
-    let (at, rotation, velocity) = (body.translation(), body.rotation(), body.linvel());
-    let heading = Complex::new(f64::from(rotation.re), f64::from(rotation.im));
-    let (x, y) = (f64::from(velocity.x), f64::from(velocity.y));
-    Motion {
-        pose: Isometry2::from_parts(
-            Translation2::new(f64::from(at.x), f64::from(at.y)),
-            UnitComplex::new_unchecked(heading),
-        ),
-        forward_mps: x * heading.re + y * heading.im,
-        sideways_mps: y * heading.re - x * heading.im,
-        turn_radps: f64::from(body.angvel()),
+/// A differential-drive robot in a maze: body, wheels, floor, walls, sensors and noise. It knows no
+/// cells and takes no decisions; whoever drives it commands speeds, step by step.
+///
+/// All drivers use this robot: the arena, the evaluation of a policy, the wheel environment and
+/// `simulate`.
+pub struct Robot {
+    maze: Maze,
+    params: PhysicsParams,
+    /// The settings for cautious driving.
+    careful: PhysicsParams,
+    simulation: Simulation,
+    /// The initial state of the engine, restored whenever the robot is put down.
+    initial: State,
+    wheels: Wheels,
+    pub(super) noise: Noise,
+    /// The share by which each wheel turns too fast during this action.
+    bias: [f64; 2],
+    sensors: Sensors,
+    /// The beams of the last step.
+    returns: Vec<Return>,
+    /// The true pose before the last step, in the grid frame.
+    before: Isometry2<f64>,
+    /// Physics steps since the trial began.
+    pub(super) steps: u64,
+    trace: Vec<Sample>,
+    hits: Hits,
+}
+
+impl Robot {
+    /// Creates a robot at rest in the first start cell. All noise derives from `seed`.
+    ///
+    /// # Errors
+    /// When a setting is out of range, or the world cannot be simulated: joined edges, eight moves,
+    /// cells too small for the robot, too many walls, or a side of more than 4,096 m.
+    pub fn new(maze: Maze, params: PhysicsParams, seed: u64) -> Result<Self, PhysicsError> {
+        params.check()?;
+        let maze = fit::fitted(&maze, &params)?;
+        let walls = simulation::walls(&blocks(&maze)?, maze.solid());
+        let start = Isometry2::from(maze.centre_in_grid(first_cell(&maze)).coords);
+        let simulation = Simulation::new(walls, pose_of(&start), &params);
+        let mut robot = Self {
+            initial: simulation.state(),
+            noise: Noise::new(&params, Stream::new(seed, StreamName::Physics)),
+            sensors: sensors(&maze, &params, seed),
+            simulation,
+            wheels: Wheels::default(),
+            bias: [0.0; 2],
+            returns: Vec::new(),
+            before: start,
+            steps: 0,
+            trace: Vec::new(),
+            hits: Hits::default(),
+            careful: params.careful(),
+            params,
+            maze,
+        };
+        robot.begin_trace();
+        Ok(robot)
     }
-}
 
-/// The left and the right wheel.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Wheels {
-    /// Rolling speeds in m/s.
-    speed_mps: [f64; 2],
-    /// Rolled distances in metres.
-    pub(super) travel_m: [f64; 2],
-}
+    /// Places the robot at rest at a pose of the grid frame, in metres. Time continues.
+    pub fn put_down(&mut self, pose: Isometry2<f64>) {
+        self.simulation.set_state(&self.initial);
+        self.simulation
+            .body_mut()
+            .set_position(pose_of(&pose), true);
+        self.wheels = Wheels::default();
+        self.sensors.reset();
+        self.begin_trace();
+    }
 
-impl Wheels {
-    /// Makes the motors follow a command for one step, with their lag and limited acceleration.
-    pub(super) fn follow(&mut self, command: Speeds, params: &PhysicsParams) {
-        let share = STEP_S / (params.motor_lag_s + STEP_S);
-        let limit = params.wheel_acceleration_mps2 * STEP_S;
-        let turn = command.turn_radps * params.wheel_base_m / 2.0;
-        let wanted = [command.forward_mps - turn, command.forward_mps + turn];
-        for ((speed, travel), wanted) in self
-            .speed_mps
-            .iter_mut()
-            .zip(&mut self.travel_m)
-            .zip(wanted)
-        {
-            *speed += ((wanted - *speed) * share).clamp(-limit, limit);
-            *travel += *speed * STEP_S;
+    /// Begins an action: the wheels get a new scale error.
+    pub fn begin_action(&mut self) {
+        self.bias = self.noise.wheel_bias();
+    }
+
+    /// Starts a new path and a new list of collisions at the current pose.
+    pub fn begin_trace(&mut self) {
+        self.hits.clear();
+        self.trace.clear();
+        self.trace.push(self.sample());
+    }
+
+    /// Drives for 50 ms at the commanded speeds, limited by the robot's settings. A robot that
+    /// `slips`, and notices it, accelerates as gently as its settings say.
+    pub fn step(&mut self, speeds: Speeds, slips: bool) {
+        let rims_mps = speeds.limited(&self.params).rims_mps(&self.params);
+        self.roll(rims_mps, slips);
+    }
+
+    /// Drives for 50 ms. The motors follow the commanded speeds of the left and right rim with their
+    /// lag and limited acceleration. The floor's friction limits the force of the wheels.
+    pub(super) fn roll(&mut self, rims_mps: [f64; 2], slips: bool) {
+        let motion = self.motion();
+        let [left, right] = self.noise.wheel_noise();
+        let excess = [self.bias[0] + left, self.bias[1] + right];
+        let limits = profile(&self.params, &self.careful, slips);
+        self.wheels.follow(rims_mps, limits);
+        let friction = self.friction(&motion);
+        let body = self.simulation.body_mut();
+        self.wheels
+            .push(body, &motion, excess, friction, &self.params);
+        self.advance();
+    }
+
+    /// Lets 50 ms pass without a command.
+    pub fn wait(&mut self) {
+        self.advance();
+    }
+
+    /// Reads the sensors after a step.
+    pub fn read(&mut self) -> Readings<'_> {
+        let moment = Moment {
+            step: self.steps - 1,
+            before: self.before,
+            after: self.motion().pose,
+            travel_m: self.wheels.travel_m,
+            pushes: self.simulation.pushes(),
+        };
+        self.sensors.read(&self.maze, &moment, &mut self.returns)
+    }
+
+    /// Returns the motion as a robot measures it that is told its pose: speeds from odometry, and
+    /// the true pose with noise.
+    pub(super) fn measure(&mut self) -> Motion {
+        let motion = self.motion();
+        Motion {
+            pose: self.noise.measure(&motion.pose),
+            ..motion
         }
     }
 
-    /// Pushes the body toward the wheels' speeds. On the floor each wheel turns too fast by the
-    /// share `excess`. The force stays within the friction circle given by `friction`.
-    pub(super) fn push(
-        &self,
-        body: &mut RigidBody,
-        motion: &Motion,
-        excess: [f64; 2],
-        friction: [f64; 2],
-        params: &PhysicsParams,
-    ) {
-        let [left, right] = [0, 1].map(|i| self.speed_mps[i] * (1.0 + excess[i]));
-        let (mass, base) = (params.mass_kg, params.wheel_base_m);
-        let inertia = 0.5 * mass * params.radius_m * params.radius_m;
-        let along = mass * (0.5 * (left + right) - motion.forward_mps) / 2.0;
-        let twist = inertia * ((right - left) / base - motion.turn_radps) / base;
-        let across = -mass * motion.sideways_mps / 2.0;
-        let limit = |friction| mass * grip_mps2(friction) * STEP_S / 2.0;
-        let force = |along, friction| Vector2::new(along, across).cap_magnitude(limit(friction));
-        let left = force(along - twist, friction[0]);
-        let right = force(along + twist, friction[1]);
-        let impulse = motion.pose.rotation * (left + right);
-        body.apply_impulse(Vector::new(impulse.x as f32, impulse.y as f32), true);
-        body.apply_torque_impulse(((right.x - left.x) * base / 2.0) as f32, true);
+    /// Returns true if a wall pushed in the last step against a robot that drives along a unit
+    /// vector of the grid frame.
+    pub(super) fn is_pushed(&mut self, along: Vector2<f64>) -> bool {
+        let mut pushes = self.simulation.pushes().iter();
+        pushes.any(|push| is_frontal(push.normal, along))
     }
+
+    /// Returns the impulse in newton-seconds of the collisions of this path with walls across the
+    /// unit vector `along` of the grid frame.
+    pub(super) fn frontal_impulse_ns(&self, along: Vector2<f64>) -> f64 {
+        self.hits.frontal_impulse_ns(self.maze.vector_in_map(along))
+    }
+
+    /// Simulates one step.
+    fn advance(&mut self) {
+        self.before = self.motion().pose;
+        self.steps += 1;
+        let time_ns = self.time_ns();
+        let (pushes, body) = self.simulation.advance(self.maze.solid());
+        let centre = true_motion(body).pose.translation.vector;
+        for push in pushes {
+            let touched = centre + push.normal * self.params.radius_m;
+            self.hits.add(Contact {
+                time_ns,
+                point_in_map: self.maze.point_in_map(touched.into()),
+                normal_in_map: self.maze.vector_in_map(push.normal),
+                impulse_ns: push.impulse_ns,
+            });
+        }
+        self.trace.push(self.sample());
+    }
+
+    /// Returns the friction of the floor below the left and right wheel.
+    fn friction(&self, motion: &Motion) -> [f64; 2] {
+        let usual = self.params.friction;
+        if !self.maze.has_floor() {
+            return [usual; 2];
+        }
+        let half = self.params.wheel_base_m / 2.0;
+        [half, -half].map(|left| {
+            let wheel = motion.pose * Point2::new(0.0, left);
+            let cell = self.maze.cell_in_grid(wheel);
+            cell.and_then(|cell| self.maze.friction(cell))
+                .unwrap_or(usual)
+        })
+    }
+
+    fn sample(&self) -> Sample {
+        Sample {
+            time_ns: self.time_ns(),
+            robot_in_map: self.maze.pose_in_map(self.motion().pose),
+            wheel_travel_m: self.wheels.travel_m,
+        }
+    }
+
+    fn motion(&self) -> Motion {
+        true_motion(self.simulation.body())
+    }
+
+    /// Returns the true pose in the grid frame, in metres.
+    pub fn pose(&self) -> Isometry2<f64> {
+        self.motion().pose
+    }
+
+    /// Returns the world, with the moves in which this robot fits.
+    pub fn maze(&self) -> &Maze {
+        &self.maze
+    }
+
+    /// Returns the settings of the robot.
+    pub fn params(&self) -> &PhysicsParams {
+        &self.params
+    }
+
+    /// Returns the beams that [`read`](Self::read) returned last.
+    pub(super) fn returns(&self) -> &[Return] {
+        &self.returns
+    }
+
+    /// Returns the simulated time since the trial began, in nanoseconds.
+    pub fn time_ns(&self) -> u64 {
+        self.steps * STEP_NS
+    }
+
+    /// Returns what can be seen of the robot in `cell` from outside: its path and its collisions
+    /// since [`begin_trace`](Self::begin_trace).
+    pub fn view(&self, cell: Cell) -> View<'_> {
+        View {
+            maze: &self.maze,
+            cell,
+            trace: &self.trace,
+            contacts: self.hits.contacts(),
+            sensed: None,
+            executed: None,
+            flipped: None,
+            wheels_mps: None,
+        }
+    }
+
+    /// Returns the total impulse of the collisions since [`begin_trace`](Self::begin_trace), in
+    /// newton-seconds.
+    pub fn impulse_ns(&self) -> f64 {
+        let impulses = self
+            .hits
+            .contacts()
+            .iter()
+            .map(|contact| contact.impulse_ns);
+        // The sum of no numbers is minus zero.
+        impulses.fold(0.0, |total, one| total + one)
+    }
+
+    /// Sets the clock to nanoseconds since the trial began.
+    pub fn set_clock(&mut self, time_ns: u64) {
+        self.steps = time_ns / STEP_NS;
+        self.begin_trace();
+    }
+
+    /// Restarts the clock and all noise, as in a new robot with this seed.
+    pub fn reseed(&mut self, seed: u64) {
+        self.noise.stream = Stream::new(seed, StreamName::Physics);
+        self.sensors = sensors(&self.maze, &self.params, seed);
+        self.steps = 0;
+    }
+}
+
+/// Creates the sensors of the robot with `seed`.
+fn sensors(maze: &Maze, params: &PhysicsParams, seed: u64) -> Sensors {
+    let streams = Streams {
+        lidar: Stream::new(seed, StreamName::Lidar),
+        encoders: Stream::new(seed, StreamName::Encoders),
+        gyro: Stream::new(seed, StreamName::Gyro),
+    };
+    Sensors::new(&params.robot(maze.cell_size_m()), streams)
 }

@@ -1,6 +1,6 @@
 //! The physics engine: one robot among fixed walls, lengths in metres of the grid frame.
 
-use nalgebra::Point2;
+use nalgebra::Isometry2;
 use rapier2d::prelude::{
     ActiveEvents, BroadPhaseBvh, ColliderBuilder, ColliderHandle, ColliderSet, IslandManager,
     NarrowPhase, PhysicsWorld, Pose, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet,
@@ -142,9 +142,13 @@ pub(super) fn walls(blocks: &[Block], solid: &Solid) -> SharedShape {
     SharedShape::compound(blocks.iter().map(|block| wall(block, solid)).collect())
 }
 
-/// Returns the pose at a point, heading east.
-pub(super) fn eastward(at: Point2<f64>) -> Pose {
-    Pose::from_parts(Vector::new(at.x as f32, at.y as f32), Rotation::IDENTITY)
+/// Returns a pose in the engine's single precision.
+pub(super) fn pose_of(pose: &Isometry2<f64>) -> Pose {
+    let (at, turn) = (pose.translation, pose.rotation);
+    Pose::from_parts(
+        Vector::new(at.x as f32, at.y as f32),
+        Rotation::from_cos_sin_unchecked(turn.re as f32, turn.im as f32),
+    )
 }
 
 /// Creates a world without gravity, with the step and the solver settings that the robot is tuned

@@ -1,5 +1,6 @@
 use super::*;
 use crate::streams::StreamName;
+use xcs::random::Stream;
 
 /// Returns a maze with many corners; `settings` are further keys of its world file.
 fn maze(settings: &str) -> Maze {
@@ -26,17 +27,21 @@ fn a_reset_arena_continues_like_a_new_one_with_the_same_clock_and_noise() {
         let mut used = arena("", &params, 1).unwrap();
         let mut actions = Stream::new(1, StreamName::Exploration);
         for episode in 0..50 {
-            let start = used.maze.start_cells()[0];
+            let start = used.robot.maze().start_cells()[0];
             used.reset(start);
             let mut fresh = arena("", &params, 2).unwrap();
-            fresh.steps = used.steps;
-            fresh.noise.stream = used.noise.stream.clone();
+            fresh.robot.steps = used.robot.steps;
+            fresh.robot.noise.stream = used.robot.noise.stream.clone();
             for _ in 0..25 {
                 let action = Action::new(actions.below(4)).unwrap();
                 let outcomes = (used.act(action), fresh.act(action));
                 assert_eq!(outcomes.0, outcomes.1, "noise {level}, episode {episode}");
-                assert_eq!(used.trace, fresh.trace, "noise {level}, episode {episode}");
-                assert_eq!(used.hits.contacts(), fresh.hits.contacts());
+                assert_eq!(
+                    used.view().trace,
+                    fresh.view().trace,
+                    "noise {level}, episode {episode}"
+                );
+                assert_eq!(used.view().contacts, fresh.view().contacts);
             }
         }
     }

@@ -1,86 +1,73 @@
-//! The robot without its controller: the caller drives the wheels, step by step.
+//! The robot without its pilot: the caller drives the wheels, step by step.
 
-use nalgebra::{Rotation2, Vector2};
+use nalgebra::{Complex, Isometry2, Rotation2, UnitComplex, Vector2};
 
-use super::motion::{Speeds, within};
-use super::{PhysicsArena, cell_from_position};
-use crate::arena::Arena;
+use super::cell_from_position;
+use super::motion::within;
+use super::robot::Robot;
+use crate::arena::{View, first_cell};
 use crate::world::Cell;
 use xcscr_sensing::cast;
 
-/// A robot whose wheels are driven directly, one physics step of 50 ms at a time. Body, wheels,
-/// floor, walls and wheel noise are the same as in [`PhysicsArena`].
+/// A [`Robot`] whose wheels are driven directly, one physics step of 50 ms at a time.
 pub struct WheelDrive {
-    arena: PhysicsArena,
-    /// The relative excess speed of each wheel in this episode.
-    bias: [f64; 2],
+    robot: Robot,
+    cell: Cell,
 }
 
 impl WheelDrive {
-    /// Takes over the robot of an arena.
-    pub fn new(arena: PhysicsArena) -> Self {
+    /// Takes over a new robot.
+    pub fn new(robot: Robot) -> Self {
         Self {
-            arena,
-            bias: [0.0; 2],
+            cell: first_cell(robot.maze()),
+            robot,
         }
     }
 
-    /// Returns the arena, for its view.
-    pub fn arena(&self) -> &PhysicsArena {
-        &self.arena
+    /// Returns the observable state: the path and the collisions of the last step.
+    pub fn view(&self) -> View<'_> {
+        self.robot.view(self.cell)
     }
 
     /// Puts the robot at rest in the middle of a free cell. The heading is in radians,
     /// counter-clockwise from the grid's x axis.
     pub fn reset(&mut self, start: Cell, heading_rad: f64) {
-        self.arena.reset(start);
-        let body = self.arena.simulation.body_mut();
-        let mut pose = *body.position();
-        pose.rotation = rapier2d::prelude::Rotation::from_angle(heading_rad as f32);
-        body.set_position(pose, true);
-        self.bias = self.arena.noise.wheel_bias();
-        self.arena.begin_trace();
+        let (sine, cosine) = libm::sincos(heading_rad);
+        let heading = UnitComplex::new_unchecked(Complex::new(cosine, sine));
+        let middle = self.robot.maze().centre_in_grid(start);
+        self.robot
+            .put_down(Isometry2::from_parts(middle.into(), heading));
+        self.robot.begin_action();
+        self.cell = start;
     }
 
     /// Drives for one step of 50 ms. The motors follow the commanded speeds of the left and right
     /// rim, in m/s, with their lag and limited acceleration. The floor's friction limits the force
     /// of the wheels.
     pub fn step(&mut self, rims_mps: [f64; 2]) {
-        let arena = &mut self.arena;
-        arena.begin_trace();
-        let most = arena.params.max_speed_mps;
-        let [left, right] = rims_mps.map(|speed| within(speed, most));
-        let command = Speeds {
-            forward_mps: (left + right) / 2.0,
-            turn_radps: (right - left) / arena.params.wheel_base_m,
-        };
-        let motion = arena.motion();
-        arena.drive(command, &motion, self.bias, false);
-        arena.step(Vector2::x());
-        let position_m = arena.motion().pose.translation.vector.into();
-        arena.cell = cell_from_position(&arena.maze, position_m, arena.cell);
+        let most = self.robot.params().max_speed_mps;
+        self.robot.begin_trace();
+        self.robot
+            .roll(rims_mps.map(|speed| within(speed, most)), false);
+        let position_m = self.robot.pose().translation.vector.into();
+        self.cell = cell_from_position(self.robot.maze(), position_m, self.cell);
     }
 
     /// Returns the largest speed of a rim in m/s.
     pub fn max_speed_mps(&self) -> f64 {
-        self.arena.params.max_speed_mps
+        self.robot.params().max_speed_mps
     }
 
     /// Returns the distances in metres to the first wall, at most `limit_m`, in `beams` evenly
     /// spaced directions. The first is straight ahead, the others follow counter-clockwise.
     pub fn ranges_m(&self, beams: usize, limit_m: f64) -> Vec<f64> {
-        let pose = self.arena.motion().pose;
+        let pose = self.robot.pose();
         let apart_rad = std::f64::consts::TAU / beams.max(1) as f64;
         let ranges = (0..beams).map(|beam| {
             let turned = Rotation2::new(beam as f64 * apart_rad);
             let direction = pose.rotation * (turned * Vector2::x());
-            cast(
-                &self.arena.maze,
-                pose.translation.vector,
-                direction,
-                limit_m,
-            )
-            .unwrap_or(limit_m)
+            let origin = pose.translation.vector;
+            cast(self.robot.maze(), origin, direction, limit_m).unwrap_or(limit_m)
         });
         ranges.collect()
     }
@@ -88,10 +75,9 @@ impl WheelDrive {
     /// Returns the straight-line distance to the middle of the nearest goal cell in metres, and its
     /// bearing in radians, counter-clockwise from straight ahead.
     pub fn goal(&self) -> (f64, f64) {
-        let pose = self.arena.motion().pose;
-        let goals = self.arena.maze.goals().iter();
-        let seen = goals.map(|&cell| {
-            let middle = self.arena.maze.centre_in_grid(cell);
+        let (pose, maze) = (self.robot.pose(), self.robot.maze());
+        let seen = maze.goals().iter().map(|&cell| {
+            let middle = maze.centre_in_grid(cell);
             let ahead = pose.inverse_transform_point(&middle).coords;
             (ahead.norm(), libm::atan2(ahead.y, ahead.x))
         });
@@ -101,22 +87,22 @@ impl WheelDrive {
 
     /// Returns the total impulse of the wall collisions in the last step, in newton-seconds.
     pub fn impulse_ns(&self) -> f64 {
-        self.arena.view().impulse_ns()
+        self.robot.impulse_ns()
     }
 
     /// Sets the clock to nanoseconds since the trial began; a reset must follow.
     pub fn set_clock(&mut self, time_ns: u64) {
-        self.arena.set_clock(time_ns);
+        self.robot.set_clock(time_ns);
     }
 
-    /// Restarts the clock and the noise, as in a new arena with this seed; a reset must follow.
+    /// Restarts the clock and the noise, as with a new robot of this seed; a reset must follow.
     pub fn reseed(&mut self, seed: u64) {
-        self.arena.reseed(seed);
+        self.robot.reseed(seed);
     }
 
     /// Returns true if the middle of the robot is in a goal cell.
     pub fn has_arrived(&self) -> bool {
-        self.arena.maze.is_goal(self.arena.cell)
+        self.robot.maze().is_goal(self.cell)
     }
 }
 
@@ -134,8 +120,9 @@ mod tests {
             noise: 0.0,
             ..PhysicsParams::default()
         };
-        let mut drive = WheelDrive::new(PhysicsArena::new(maze, params, 1).unwrap());
-        drive.reset(Cell { col: 1, row: 1 }, 0.0);
+        let start = Cell { col: 1, row: 1 };
+        let mut drive = WheelDrive::new(Robot::new(maze, params, 1).unwrap());
+        drive.reset(start, 0.0);
         drive
     }
 
@@ -150,7 +137,7 @@ mod tests {
         }
         // 1.5 m to the goal cell at 1 m/s, and a few steps to accelerate.
         assert!((28..36).contains(&arrived.unwrap()), "{arrived:?}");
-        let at = drive.arena().view().now().robot_in_map.translation;
+        let at = drive.view().now().robot_in_map.translation;
         assert!(
             (at.x - 3.7).abs() < 0.02 && (at.y - 1.5).abs() < 1e-3,
             "{at}"
@@ -161,7 +148,7 @@ mod tests {
     fn opposite_wheels_turn_on_the_spot() {
         let mut drive = corridor();
         (0..10).for_each(|_| drive.step([-0.2, 0.2]));
-        let pose = drive.arena().view().now().robot_in_map;
+        let pose = drive.view().now().robot_in_map;
         assert!(pose.rotation.angle() > 0.3, "{pose}");
         assert!((pose.translation.x - 1.5).abs() < 1e-3, "{pose}");
     }
@@ -183,11 +170,12 @@ mod tests {
         let world = br######"{ "rows": ["#####", "#S.G#", "#####"] }"######;
         let path = || {
             let maze = Maze::from_json(world, "corridor.json").unwrap();
-            let arena = PhysicsArena::new(maze, PhysicsParams::default(), 7).unwrap();
-            let mut drive = WheelDrive::new(arena);
-            drive.reset(Cell { col: 1, row: 1 }, 0.3);
+            let start = Cell { col: 1, row: 1 };
+            let robot = Robot::new(maze, PhysicsParams::default(), 7).unwrap();
+            let mut drive = WheelDrive::new(robot);
+            drive.reset(start, 0.3);
             (0..50).for_each(|step| drive.step([0.4, 0.1 * f64::from(step % 9)]));
-            drive.arena().view().now().robot_in_map
+            drive.view().now().robot_in_map
         };
         assert_eq!(path(), path());
     }

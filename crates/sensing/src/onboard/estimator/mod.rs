@@ -19,7 +19,7 @@ use super::angle::{ahead, rotation, square};
 use super::assumed::Assumed;
 use super::field::Field;
 use super::slip::{Slip, Verdict};
-use crate::{EstimatorParams, Readings, Return, Robot, STEP_S};
+use crate::{EstimatorParams, Readings, Return, RobotParams, STEP_S};
 
 /// Indices of the state: position, heading, bias and scale of the gyro, scale of the wheels, scale
 /// of the ranges, and the extra scale of the wheels during this action.
@@ -136,7 +136,7 @@ pub(crate) struct Ray {
 
 impl Estimator {
     /// Creates a filter with uncalibrated sensors, for a robot at the origin.
-    pub fn new(robot: &Robot) -> Self {
+    pub fn new(robot: &RobotParams) -> Self {
         let assumed = Assumed::new(robot);
         let Assumed {
             bias,
