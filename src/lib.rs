@@ -4,7 +4,7 @@
 //! The robot perceives the cells around it, chooses a direction, and drives there or hits a wall. It
 //! learns condition-action rules from what follows. The published methods are classifier systems: XCS
 //! and the reward methods of XCSCR (Zhang, Browne and Carnegie 2019). The default method, `xcscr-plus`,
-//! learns a model, plans on it, and distils the plan's decisions into a few rules in XCS syntax.
+//! is XCSCR with a learned model: the model leads exploration, and its plan is imprinted into the rules.
 //!
 //! # Data flow
 //! ```text
@@ -25,17 +25,17 @@
 //! | `xcscr_sensing` | sensor models and the onboard computer |
 //! | [`world`], [`arena`], [`sensor`] | the robot, from `xcscr_robot`: mazes, where it acts, what it perceives |
 //! | [`agent`], [`episode`], [`trial`] | the learner, from `xcscr_learner`: methods, the loop, one trial |
-//! | [`disk`] | atomic writes and folder locks |
+//! | [`record`], [`disk`] | from `xcscr_recording`: episodes as MCAP files, their reader, atomic writes and folder locks |
 //! | [`page`], [`export`], [`picture`] | policies as HTML, as code and data, as pictures |
 //! | [`drive`] | a policy drives a robot that is known only by its messages; with the feature `ros2`, on ROS 2 |
-//! | [`record`], [`run`] | recordings, and recorded runs in a folder |
+//! | [`run`] | recorded runs in a folder |
 //! | [`replay`] | a page that plays a recording, and a server for viewers |
 //! | [`study`] | many trials, statistics, reports |
 //!
 //! The modules of this crate are listed in the order of their layers: a module uses only modules above it.
 //!
 //! A new sensor goes to `crates/robot/src/sensor/`, a new agent to `crates/learner/src/agent/`, a new topic to
-//! `src/record/topics/`, a new export target to `src/export/`, a new command to `src/commands/`. CONTRIBUTING.md walks
+//! `crates/recording/src/topics/`, a new export target to `src/export/`, a new command to `src/commands/`. CONTRIBUTING.md walks
 //! through each.
 //!
 //! # Terms
@@ -67,12 +67,9 @@
 #![warn(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
 // In order of their layers: a module names only modules above it.
-mod error;
-pub mod disk;
 pub mod page;
 pub mod export;
 pub mod picture;
-pub mod record;
 pub mod replay;
 pub mod drive;
 #[cfg(feature = "ros2")]
@@ -80,9 +77,10 @@ pub mod ros2;
 pub mod run;
 pub mod study;
 
-pub use error::{Error, ErrorKind};
 pub use xcs;
 #[doc(inline)]
 pub use xcscr_learner::{agent, episode, trial};
+#[doc(inline)]
+pub use xcscr_recording::{self as record, Error, ErrorKind, disk};
 #[doc(inline)]
 pub use xcscr_robot::{arena, sensor, streams, world};

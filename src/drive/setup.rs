@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::watch::Frames;
 use crate::agent::Knowledge;
 use crate::arena::{ArenaKind, Localisation, PhysicsParams, check_fit};
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::sensor::Sensor;
 use crate::trial::{Plan, RobotProfile};
 use crate::world::{Maze, Moves};

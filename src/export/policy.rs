@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::agent::Knowledge;
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::streams::StreamName;
 use xcs::random::Stream;
 use xcs::{

@@ -1,10 +1,6 @@
 //! The colours of best actions.
 
-/// Colours of best actions, by distance to the goal along the policy: far, halfway, near. Their
-/// lightness decreases, so that the order is visible to colour-blind viewers.
-pub(crate) const SCALE: [u32; 3] = [0xe6ac00, 0x1f8f8a, 0x45106b];
-/// The colour of best actions that do not lead to a goal.
-pub(crate) const NO_GOAL: u32 = 0x9aa3b0;
+use crate::record::colours::SCALE;
 
 /// Returns the colour of a share, from 0 (far from the goal) to 1 (near the goal).
 pub(super) fn shade(near: f64) -> u32 {

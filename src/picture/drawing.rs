@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::colours::{NO_GOAL, css, shade};
+use super::colours::{css, shade};
+use crate::record::colours::NO_GOAL;
 use super::policy_picture::{Moment, PolicyPicture};
 use super::svg::{Drawing, Element, SCALE, decimals, short};
 use crate::world::{Cell, Direction, Maze};

@@ -10,7 +10,7 @@ mod policy_picture;
 mod svg;
 
 pub(crate) use camera::{Camera, Stages};
-pub(crate) use colours::{NO_GOAL, SCALE, css};
+pub(crate) use colours::css;
 pub use map_preview::map_preview;
 pub(crate) use pixels::{FONT, png};
 pub use policy_picture::{Look, PolicyPicture};

@@ -4,7 +4,7 @@ use super::camera::{Camera, Stages};
 use super::{action_values, drawing, pixels};
 use crate::agent::Knowledge;
 use crate::episode::{Ending, Episode, Observer, PolicyMap};
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::trial::{Plan, steps_to_goal};
 use crate::world::{Cell, Maze, Paths};
 

@@ -12,7 +12,7 @@ use crate::drive::DriveBag;
 use crate::drive::drive_messages::{Clock, Imu, Text, Twist, TwistStamped};
 use crate::drive::messages::{EstimatedPose, LaserScan, MAP, ODOM, Odometry, Transforms};
 use crate::drive::{Driver, DriverOptions, DriverStep, Fault, Network, Phase, Readings};
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 
 /// The control period: the longest time between two calls of the driver.
 const PERIOD: Duration = Duration::from_millis(50);

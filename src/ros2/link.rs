@@ -12,7 +12,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::drive::NodeOptions;
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 
 /// Quality of service for sensor messages, which may be lost. Compatible with every publisher of
 /// the same type.

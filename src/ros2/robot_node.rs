@@ -14,7 +14,7 @@ use crate::drive::messages::{
     BASE, LASER, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, TRUE_BASE, Transforms,
 };
 use crate::drive::{self, SimulateOptions, SimulatedReadings, SimulatedRobot};
-use crate::error::Error;
+use crate::Error;
 use crate::world::Maze;
 
 /// The simulated time of a step.

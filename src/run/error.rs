@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::contents::CONFIG;
 use crate::disk;
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::record::resume_hint::{is_resumable, resume_hint};
 
 /// The end of the name that the command line gives to the folder of an evaluation by default, after

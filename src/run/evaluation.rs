@@ -11,7 +11,7 @@ use super::folder::RunFolder;
 use crate::agent::{Frozen, Knowledge};
 use crate::disk;
 use crate::episode::{Episode, Learned, Observer};
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::record::{RecordMode, RecordSummary, Recorder, RecordingKind, RunInfo, RunKind};
 use crate::trial::{Evaluation, Plan, PlanError};
 

@@ -10,7 +10,8 @@ use super::contents::{CONFIG, Contents, PAGE, RULES, WORLD, WORTH, file_names, i
 use super::error;
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK};
-use crate::error::{Error, ErrorKind, world_for_run};
+use crate::record::world_for_run;
+use crate::{Error, ErrorKind};
 use crate::record::reader::Recording;
 use crate::record::resume_hint::{UNFINISHED, is_resumable, resume_hint, way_to_resume};
 use crate::record::{RecordingKind, RunKind};

@@ -10,7 +10,7 @@ use super::folder::RunFolder;
 use super::repeatable_run::RepeatableRun;
 use super::repeated_run::RepeatedRun;
 use crate::agent::Knowledge;
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordingKind};
 use crate::replay::player;

@@ -10,7 +10,7 @@ use super::external::{EXTERNAL_EPISODES, METHOD};
 use super::repeatable_run::RepeatableRun;
 use crate::agent::Knowledge;
 use crate::episode::{Episode, Learned, Observer};
-use crate::error::Error;
+use crate::Error;
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordModeError, RecordingKind, RunKind};
 use crate::trial::Plan;

@@ -7,7 +7,7 @@ use super::external::{ExternalEpisode, record_external};
 use super::facts::run_info;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
-use crate::error::Error;
+use crate::Error;
 use crate::picture::{Look, PolicyPicture};
 use crate::record::{RecordMode, Recorder};
 use crate::trial::{Evaluation, Plan, Trial};

@@ -10,7 +10,7 @@ use super::recorded_run::RecordedRun;
 use super::repeatable_run::RepeatableRun;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
-use crate::error::Error;
+use crate::Error;
 use crate::record::{self, RecordMode};
 
 /// A repeated run in a temporary folder, which is deleted with this value.

@@ -8,7 +8,7 @@ use super::facts::run_info;
 use super::folder::RunFolder;
 use super::page::page_of;
 use crate::episode::Observer;
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::picture::{Camera, Look, Stages};
 use crate::record::resume_hint::resume_hint;
 use crate::record::{RecordMode, RecordSummary, Recorder};

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::contents::RULES;
 use super::folder::RunFolder;
 use crate::disk;
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::record::RecordMode;
 use crate::record::resume_hint::UNFINISHED;
 use crate::trial::{Config, Plan};

@@ -6,7 +6,7 @@ use super::contents::{RULES, is_of_a_run};
 use super::folder::RunFolder;
 use crate::agent::Knowledge;
 use crate::disk;
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::record;
 use crate::trial::Plan;
 

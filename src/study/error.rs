@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 
 use crate::disk;
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 
 /// Returns the error for a fault in the study file `origin`.
 pub(super) fn file(origin: &str, fault: impl Display) -> Error {

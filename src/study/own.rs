@@ -9,7 +9,7 @@ use super::protocol::Protocol;
 use super::runner::{StudyWatcher, run_trials};
 use super::store::{StudyFolder, TrialRecord};
 use crate::agent::Agent;
-use crate::error::Error;
+use crate::Error;
 use crate::trial::Plan;
 
 /// Builds the agent of a trial from the trial's plan.

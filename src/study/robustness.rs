@@ -6,7 +6,7 @@ use super::statistics::{Interval, Proportion};
 use crate::agent::Knowledge;
 use crate::arena::{ArenaKind, FaultParams, View};
 use crate::episode::{Observer, Step};
-use crate::error::Error;
+use crate::Error;
 use crate::run;
 use crate::trial::{Config, Plan};
 

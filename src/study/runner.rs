@@ -12,7 +12,7 @@ use super::error;
 use super::own::Agents;
 use super::protocol::Protocol;
 use super::store::{Journal, Records, StudyFolder, TrialRecord};
-use crate::error::Error;
+use crate::Error;
 
 /// Receives the progress of a study.
 pub trait StudyWatcher {

@@ -14,8 +14,8 @@ use super::topics::BagTopic;
 use super::writer::{ENCAPSULATION, RosWriter, encoded};
 use crate::disk;
 use crate::drive::{DriverStep, Fault, Readings};
-use crate::error::Error;
-use crate::record::{error, records};
+use crate::Error;
+use crate::record::{fault, records};
 use crate::world::Maze;
 
 /// The topics of the file.
@@ -62,7 +62,7 @@ impl DriveBag {
             path: path.to_owned(),
             part,
             replace,
-            writer: RosWriter::begin(file, &TOPICS).map_err(error::cannot_write(path))?,
+            writer: RosWriter::begin(file, &TOPICS).map_err(fault::cannot_write(path))?,
             faults: Vec::new(),
             clock_ns: None,
         };
@@ -128,9 +128,9 @@ impl DriveBag {
         time_ns: u64,
         message: &impl Serialize,
     ) -> Result<(), Error> {
-        let message = encoded(message).map_err(|cause| error::write_failed(&self.path, cause))?;
+        let message = encoded(message).map_err(|cause| fault::write_failed(&self.path, cause))?;
         let written = self.writer.write(topic, time_ns, &message);
-        written.map_err(error::cannot_write(&self.path))
+        written.map_err(fault::cannot_write(&self.path))
     }
 
     /// Finishes the recording, and gives it its name.
@@ -144,7 +144,7 @@ impl DriveBag {
             disk::require_free(&self.path, self.replace)?;
             Ok(fs::rename(&self.part, &self.path)?)
         });
-        saved.map_err(error::cannot_write(&self.path))
+        saved.map_err(fault::cannot_write(&self.path))
     }
 }
 
@@ -175,9 +175,9 @@ impl DriveRecording {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let bytes = disk::read(path, disk::MOST_BYTES).map_err(disk::cannot_read(path))?;
         if !bytes.starts_with(mcap::MAGIC) {
-            return Err(error::not_a_recording(path, &bytes));
+            return Err(fault::not_a_recording(path, &bytes));
         }
-        let damaged = error::damaged::<String>(path);
+        let damaged = fault::damaged::<String>(path);
         records::check_unpacked(&bytes).map_err(&damaged)?;
         let mut recording = Self::default();
         let mut clock_ns = None;

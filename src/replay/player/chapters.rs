@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::error::Error;
+use crate::Error;
 use crate::record::event::{End, Learned};
 use crate::record::reader::Recording;
 use crate::record::topics::{Topic, decoded};

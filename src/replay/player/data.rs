@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::chapters::Chapter;
 use super::episodes::{self, PackedEpisode};
 use super::world::World;
-use crate::error::Error;
+use crate::Error;
 use crate::record::event::{Begin, Contact, Curve, Learned, Localisation};
 use crate::record::reader::Recording;
 use crate::world::Maze;

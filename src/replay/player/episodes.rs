@@ -10,7 +10,7 @@ use flate2::write::ZlibEncoder;
 use serde::Serialize;
 
 use super::data::Data;
-use crate::error::Error;
+use crate::Error;
 use crate::record::event;
 use crate::record::reader::Recording;
 

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 use minijinja::{Environment, Value, context};
 
-use crate::error::Error;
+use crate::Error;
 use crate::page::escaped;
 use crate::record::event;
 use crate::record::reader::Recording;

@@ -5,13 +5,14 @@ use strum::VariantArray;
 
 use super::data::{Choice, Data, Policy, Timed};
 use super::world::World;
-use crate::error::Error;
-use crate::picture::{NO_GOAL, SCALE, css};
+use crate::Error;
+use crate::picture::css;
+use crate::record::colours::{NO_GOAL, SCALE};
 use crate::record::event::{Begin, Contact, Curve, Decision, End, Learned, Outcome, Perceived};
 use crate::record::info::{self, RADIUS, RunKind};
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::{decimal, decoded, percept};
-use crate::record::{RobotShape, Topic, error};
+use crate::record::{RobotShape, Topic, fault};
 use crate::sensor::Sensor;
 use crate::world::{Cell, Maze};
 use xcs::Action;
@@ -59,7 +60,7 @@ impl Data {
             };
             left = left.checked_sub(message.data.len()).ok_or_else(|| {
                 let cause = "its messages are too many for a page, open it in a viewer";
-                error::unusable(recording.path(), cause)
+                fault::unusable(recording.path(), cause)
             })?;
             reader.add(recording, topic, &message)?;
         }

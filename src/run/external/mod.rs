@@ -18,7 +18,7 @@ use super::facts::run_info;
 use crate::agent::{Explorer, Knowledge};
 use crate::arena::{Arena, ArenaKind, Robot, Sample, WheelDrive};
 use crate::episode;
-use crate::error::Error;
+use crate::Error;
 use crate::record::{RecordMode, RecordSummary, Recorder, RunInfo, RunKind};
 use crate::streams::StreamName;
 use crate::trial::Plan;

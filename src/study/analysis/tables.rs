@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::summary::ArmSummary;
 use crate::disk;
-use crate::error::Error;
+use crate::Error;
 use crate::study::protocol::{Arm, Protocol};
 use crate::study::statistics::rounded;
 use crate::study::store::StudyFolder;

@@ -1,6 +1,6 @@
 //! Tasks of a planned study: running them, and their states.
 
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::study::own::Agents;
 use crate::study::runner::{StudyWatcher, run_trials};
 use crate::study::store::{PlannedStudy, StudyFolder};

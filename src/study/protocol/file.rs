@@ -12,7 +12,7 @@ use super::shipped;
 use crate::agent::Method;
 use crate::arena::ArenaKind;
 use crate::disk;
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::sensor::Sensor;
 use crate::study::error;
 use crate::trial::{MOST_TOML_BYTES, RobotProfile, Settings, flatten, shortened, similar};

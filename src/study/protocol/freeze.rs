@@ -8,7 +8,7 @@ use super::variants::{product, variants, with_entry};
 use super::{Arm, MOST_ARMS, MOST_GENERATED, MOST_WORLDS, Protocol, StudyFile, Variant};
 use crate::agent::Method;
 use crate::arena::ArenaKind;
-use crate::error::Error;
+use crate::Error;
 use crate::trial::{Resolved, Settings};
 use crate::world::{Maze, Recipe};
 use xcs::bounds::within;

@@ -21,7 +21,7 @@ pub use overrides::Overrides;
 use super::error;
 use crate::agent::Method;
 use crate::arena::ArenaKind;
-use crate::error::Error;
+use crate::Error;
 use crate::sensor::Sensor;
 use crate::trial::{Config, Plan, Settings};
 use crate::world::Maze;

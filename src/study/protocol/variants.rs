@@ -5,7 +5,7 @@ use toml::{Table, Value};
 use super::file::NOTHING;
 use super::overrides::Overrides;
 use super::{StudyFile, Variant};
-use crate::error::Error;
+use crate::Error;
 use crate::trial::{flatten, value_of};
 
 /// Swept settings and their values.

@@ -15,7 +15,7 @@ use super::analysis::summary::{ArmRecords, ArmSummary};
 use super::protocol::Protocol;
 use super::report::figures::draw_figures;
 use super::store::StudyFolder;
-use crate::error::Error;
+use crate::Error;
 
 /// The report of a study. As JSON, it contains all figures: the results per arm, and the
 /// comparisons of methods.

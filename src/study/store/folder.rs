@@ -10,7 +10,7 @@ use super::record::{TrialRecord, trial};
 use super::records::Records;
 use crate::disk;
 use crate::disk::{FolderLock, LOCK};
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::study::error;
 use crate::study::own::Agents;
 use crate::study::protocol::Protocol;

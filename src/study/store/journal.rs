@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use super::record::TrialRecord;
 use crate::disk;
-use crate::error::Error;
+use crate::Error;
 use crate::study::error;
 
 /// The maximum length of a line, which is more than a record needs.

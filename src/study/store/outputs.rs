@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::folder::StudyFolder;
 use crate::disk;
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::study::error;
 
 /// The table of episodes.

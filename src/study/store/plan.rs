@@ -10,7 +10,7 @@ use serde_json::value::RawValue;
 
 use super::journal::Journal;
 use crate::disk;
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::study::error;
 use crate::study::protocol::{Protocol, id_of};
 use xcs::bounds::within;

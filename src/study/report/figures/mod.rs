@@ -11,7 +11,7 @@ use curves::Curves;
 use episodes::Episodes;
 use panels::Panels;
 
-use crate::error::{Error, ErrorKind};
+use crate::{Error, ErrorKind};
 use crate::page::Picture;
 use crate::picture::png;
 use crate::study::analysis::summary::ArmRecords;

@@ -1,0 +1,223 @@
+//! `/values`: what the robot has learned about each cell.
+
+use std::collections::BTreeSet;
+
+use foxglove::messages::{
+    Grid, PackedElementField, Pose, Vector2, packed_element_field::NumericType,
+};
+
+use xcscr_learner::episode::PolicyMap;
+use xcscr_robot::world::{Cell, Maze};
+use xcs::Action;
+
+/// The bytes of a cell on the topic: three numbers of four bytes, and the best actions.
+const STRIDE: usize = 13;
+/// The least rank and nearness of a cell that has them.
+const LEAST: f32 = 0.1;
+
+/// The learned policy. In a [very large](Maze::is_too_large) maze, it has the cells of the greedy path
+/// only.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Learned {
+    /// The cells with known action values, in reading order.
+    pub cells: Vec<LearnedCell>,
+}
+
+/// What the robot has learned about a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LearnedCell {
+    /// The cell.
+    pub cell: Cell,
+    /// The greatest action value.
+    pub value: f32,
+    /// The rank of the value among all cells, from 0.1 (the least) to 1 (the greatest).
+    pub rank: f32,
+    /// The nearness to the goal along the policy, from 0.1 (the farthest cell) to 1 (one step); 0 if
+    /// the policy leads to no goal.
+    pub nearness: f32,
+    /// The best actions, as bits.
+    pub best: u8,
+}
+
+impl Learned {
+    /// Evaluates a policy.
+    pub fn of(policy: &PolicyMap, maze: &Maze) -> Self {
+        let share = |share: f64| LEAST + (1.0 - LEAST) * share as f32;
+        let figures = policy.ranks().into_iter().zip(policy.nearness(maze));
+        let cells = policy.cells().zip(figures);
+        let cells = cells.filter_map(|((cell, values), (rank, near))| {
+            let best = values.best_actions();
+            Some(LearnedCell {
+                cell: *cell,
+                value: values.greatest()? as f32,
+                rank: share(rank?),
+                nearness: near.map_or(0.0, share),
+                best: best.fold(0, |bits, action| bits | 1 << action.index()),
+            })
+        });
+        Self {
+            cells: cells.collect(),
+        }
+    }
+
+    /// Returns the number of cells whose best actions differ.
+    pub fn changes_from(&self, other: &Self) -> usize {
+        let set = |of: &Self| -> BTreeSet<(u16, u16, u8)> {
+            let cells = of.cells.iter();
+            cells
+                .map(|at| (at.cell.row, at.cell.col, at.best))
+                .collect()
+        };
+        let (new, old) = (set(self), set(other));
+        new.difference(&old)
+            .count()
+            .max(old.difference(&new).count())
+    }
+
+    /// Returns the cells of the greedy path from `start`, up to a goal, a wall, an unknown cell or the
+    /// first repeated cell. Ties are broken by the first best action.
+    pub fn greedy_path(&self, maze: &Maze, start: Cell) -> Vec<Cell> {
+        let (mut path, mut seen) = (Vec::new(), BTreeSet::new());
+        let mut at = Some(start);
+        while let Some(cell) = at.filter(|cell| seen.insert((cell.row, cell.col))) {
+            path.push(cell);
+            at = self.ahead(maze, cell);
+        }
+        path
+    }
+
+    fn ahead(&self, maze: &Maze, cell: Cell) -> Option<Cell> {
+        let key = |at: &LearnedCell| (at.cell.row, at.cell.col);
+        let here = self.cells.binary_search_by_key(&(cell.row, cell.col), key);
+        let best = self.cells[here.ok()?].best;
+        let action =
+            Action::all(maze.action_count()).find(|action| best >> action.index() & 1 == 1);
+        maze.step(cell, maze.direction(action?)?)
+    }
+
+    /// Returns the message: a grid with a cell for each cell of the maze, the southern row first. It is
+    /// empty in a very large maze.
+    pub fn grid(&self, maze: &Maze, frame: &str, pose: Pose) -> Grid {
+        let columns = if maze.is_too_large() { 0 } else { maze.width() };
+        let mut data = vec![0; usize::from(columns) * usize::from(maze.height()) * STRIDE];
+        for cell in data.chunks_exact_mut(STRIDE) {
+            cell[..4].copy_from_slice(&f32::NAN.to_le_bytes());
+        }
+        for known in self.cells.iter().filter(|_| columns > 0) {
+            let row = usize::from(maze.height() - 1 - known.cell.row);
+            let at = (row * usize::from(columns) + usize::from(known.cell.col)) * STRIDE;
+            let numbers = [known.value, known.rank, known.nearness].map(f32::to_le_bytes);
+            let cell = &mut data[at..at + STRIDE];
+            cell[..12].copy_from_slice(&numbers.concat());
+            cell[12] = known.best;
+        }
+        let field = |name: &str, offset, kind: NumericType| PackedElementField {
+            name: name.to_owned(),
+            offset,
+            r#type: kind as i32,
+        };
+        let unit = maze.cell_size_m();
+        Grid {
+            timestamp: None,
+            frame_id: frame.to_owned(),
+            pose: Some(pose),
+            column_count: columns.into(),
+            cell_size: Some(Vector2 { x: unit, y: unit }),
+            row_stride: u32::from(columns) * STRIDE as u32,
+            cell_stride: STRIDE as u32,
+            fields: vec![
+                field("value", 0, NumericType::Float32),
+                field("rank", 4, NumericType::Float32),
+                field("nearness", 8, NumericType::Float32),
+                field("best_actions", 12, NumericType::Uint8),
+            ],
+            data: data.into(),
+        }
+    }
+
+    /// Reads a message; `Err` describes the fault.
+    pub fn of_grid(grid: &Grid, maze: &Maze) -> Result<Self, String> {
+        let columns = usize::from(maze.width());
+        let is_whole = grid.data.len() == columns * usize::from(maze.height()) * STRIDE;
+        if grid.data.is_empty() {
+            return Ok(Self::default());
+        }
+        if grid.cell_stride as usize != STRIDE || !is_whole {
+            return Err("the grid is not that of the maze".to_owned());
+        }
+        let number = |cell: &[u8], at: usize| {
+            let bytes = cell[at..at + 4].try_into().expect("four bytes");
+            f32::from_le_bytes(bytes)
+        };
+        let rows = grid.data.chunks_exact(columns * STRIDE).rev().enumerate();
+        let cells = rows.flat_map(|(row, cells)| {
+            let cells = cells.chunks_exact(STRIDE).enumerate();
+            cells.map(move |(col, cell)| LearnedCell {
+                cell: Cell {
+                    col: col as u16,
+                    row: row as u16,
+                },
+                value: number(cell, 0),
+                rank: number(cell, 4),
+                nearness: number(cell, 8),
+                best: cell[12],
+            })
+        });
+        Ok(Self {
+            cells: cells.filter(|cell| cell.best != 0).collect(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn maze() -> Maze {
+        let rows = br######"{ "rows": ["#####", "#S.G#", "#...#", "#####"] }"######;
+        Maze::from_json(rows, "rows").unwrap()
+    }
+
+    fn learned(cells: &[(u16, u16, u8)]) -> Learned {
+        let cells = cells.iter().map(|&(col, row, best)| LearnedCell {
+            cell: Cell { col, row },
+            value: f32::from(col),
+            rank: 0.5,
+            nearness: 0.25,
+            best,
+        });
+        Learned {
+            cells: cells.collect(),
+        }
+    }
+
+    #[test]
+    fn a_grid_is_read_as_it_was_written_and_another_size_is_refused() {
+        let (maze, learned) = (maze(), learned(&[(1, 1, 2), (2, 1, 3), (1, 2, 1)]));
+        let mut grid = learned.grid(&maze, "grid", Pose::default());
+        assert_eq!(Learned::of_grid(&grid, &maze).unwrap(), learned);
+        // The southern row comes first: row 2 of four rows from the north is the second one.
+        assert_eq!(grid.data[(5 + 1) * STRIDE + 12], 1);
+        grid.data = grid.data.slice(STRIDE..);
+        assert!(Learned::of_grid(&grid, &maze).is_err());
+    }
+
+    #[test]
+    fn a_greedy_path_ends_at_a_goal_and_where_it_would_repeat() {
+        // East is action 1, west is action 3.
+        let to_goal = learned(&[(1, 1, 2), (2, 1, 2)]);
+        let path = to_goal.greedy_path(&maze(), Cell { col: 1, row: 1 });
+        assert_eq!(path.len(), 3);
+        let around = learned(&[(1, 1, 2), (2, 1, 8)]);
+        let path = around.greedy_path(&maze(), Cell { col: 1, row: 1 });
+        assert_eq!(path.len(), 2);
+    }
+
+    #[test]
+    fn changes_are_cells_with_other_best_actions() {
+        let before = learned(&[(1, 1, 2), (2, 1, 2)]);
+        assert_eq!(before.changes_from(&before), 0);
+        let after = learned(&[(1, 1, 2), (2, 1, 3), (1, 2, 1)]);
+        assert_eq!(after.changes_from(&before), 2);
+    }
+}
