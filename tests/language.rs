@@ -45,13 +45,14 @@ fn pages_below(folder: &Path) -> Vec<PathBuf> {
 fn pages() -> Vec<PathBuf> {
     let single = [
         "README.md",
+        "ARCHITECTURE.md",
         "CONTRIBUTING.md",
         "SECURITY.md",
         "benches/README.md",
         "python/README.md",
     ];
-    let crates =
-        ["xcs", "sensing", "robot", "learner"].map(|name| format!("crates/{name}/README.md"));
+    let crates = ["xcs", "sensing", "robot", "learner", "recording"]
+        .map(|name| format!("crates/{name}/README.md"));
     let single = single.iter().map(|name| root().join(name));
     let crates = crates.iter().map(|name| root().join(name));
     single

@@ -6,10 +6,10 @@ use serde_json::Value;
 use super::watch::Frames;
 use crate::agent::Knowledge;
 use crate::arena::{ArenaKind, Localisation, PhysicsParams, check_fit};
-use crate::{Error, ErrorKind};
 use crate::sensor::Sensor;
 use crate::trial::{Plan, RobotProfile};
 use crate::world::{Maze, Moves};
+use crate::{Error, ErrorKind};
 
 /// A policy, the robot it drives, and the robot's pose.
 #[derive(Debug, Clone)]

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::agent::Knowledge;
-use crate::{Error, ErrorKind};
 use crate::streams::StreamName;
+use crate::{Error, ErrorKind};
 use xcs::random::Stream;
 use xcs::{
     Action, Classifier, Condition, NumberRange, Params, Percept, Population, PredictionArray,

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::colours::{css, shade};
-use crate::record::colours::NO_GOAL;
 use super::policy_picture::{Moment, PolicyPicture};
 use super::svg::{Drawing, Element, SCALE, decimals, short};
+use crate::record::colours::NO_GOAL;
 use crate::world::{Cell, Direction, Maze};
 
 pub(super) const PAPER: u32 = 0xffffff;

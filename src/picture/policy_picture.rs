@@ -4,9 +4,9 @@ use super::camera::{Camera, Stages};
 use super::{action_values, drawing, pixels};
 use crate::agent::Knowledge;
 use crate::episode::{Ending, Episode, Observer, PolicyMap};
-use crate::{Error, ErrorKind};
 use crate::trial::{Plan, steps_to_goal};
 use crate::world::{Cell, Maze, Paths};
+use crate::{Error, ErrorKind};
 
 /// The most cells of a maze that is drawn. The SVG of such a maze takes 145 MB.
 const MOST_CELLS: usize = 1 << 20;

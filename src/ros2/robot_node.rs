@@ -8,13 +8,13 @@ use ros2_client::{Publisher, Subscription};
 use serde::Serialize;
 
 use super::link::{Link, STAMPED, TWIST, best_effort, drain, reliable, transient_local};
+use crate::Error;
 use crate::arena::Speeds;
 use crate::drive::drive_messages::{Clock, Imu, Twist, TwistStamped};
 use crate::drive::messages::{
     BASE, LASER, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, TRUE_BASE, Transforms,
 };
 use crate::drive::{self, SimulateOptions, SimulatedReadings, SimulatedRobot};
-use crate::Error;
 use crate::world::Maze;
 
 /// The simulated time of a step.

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::contents::CONFIG;
 use crate::disk;
-use crate::{Error, ErrorKind};
 use crate::record::resume_hint::{is_resumable, resume_hint};
+use crate::{Error, ErrorKind};
 
 /// The end of the name that the command line gives to the folder of an evaluation by default, after
 /// the name of the run.

@@ -11,9 +11,9 @@ use super::folder::RunFolder;
 use crate::agent::{Frozen, Knowledge};
 use crate::disk;
 use crate::episode::{Episode, Learned, Observer};
-use crate::{Error, ErrorKind};
 use crate::record::{RecordMode, RecordSummary, Recorder, RecordingKind, RunInfo, RunKind};
 use crate::trial::{Evaluation, Plan, PlanError};
+use crate::{Error, ErrorKind};
 
 /// Runs `episodes` episodes of the greedy policy of `knowledge`.
 ///

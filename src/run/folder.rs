@@ -10,13 +10,13 @@ use super::contents::{CONFIG, Contents, PAGE, RULES, WORLD, WORTH, file_names, i
 use super::error;
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK};
-use crate::record::world_for_run;
-use crate::{Error, ErrorKind};
 use crate::record::reader::Recording;
 use crate::record::resume_hint::{UNFINISHED, is_resumable, resume_hint, way_to_resume};
+use crate::record::world_for_run;
 use crate::record::{RecordingKind, RunKind};
 use crate::trial::{Config, Plan};
 use crate::world::Maze;
+use crate::{Error, ErrorKind};
 
 /// A folder with the files of one run: `world.json`, `config.json`, `rules.json`, recordings, and
 /// `unfinished.json` while the run lasts.

@@ -10,12 +10,12 @@ use super::folder::RunFolder;
 use super::repeatable_run::RepeatableRun;
 use super::repeated_run::RepeatedRun;
 use crate::agent::Knowledge;
-use crate::{Error, ErrorKind};
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordingKind};
 use crate::replay::player;
 use crate::trial::Plan;
 use crate::world::Paths;
+use crate::{Error, ErrorKind};
 
 /// The step limit of the drive of the learned policy, in shortest paths from the farthest start.
 const SHORTEST_PATHS: u32 = 4;

@@ -8,9 +8,9 @@ use tempfile::TempDir;
 use super::error;
 use super::recorded_run::RecordedRun;
 use super::repeatable_run::RepeatableRun;
+use crate::Error;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
-use crate::Error;
 use crate::record::{self, RecordMode};
 
 /// A repeated run in a temporary folder, which is deleted with this value.

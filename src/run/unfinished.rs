@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 use super::contents::RULES;
 use super::folder::RunFolder;
 use crate::disk;
-use crate::{Error, ErrorKind};
 use crate::record::RecordMode;
 use crate::record::resume_hint::UNFINISHED;
 use crate::trial::{Config, Plan};
 use crate::world::Maze;
+use crate::{Error, ErrorKind};
 
 /// The fields of the file.
 #[derive(Serialize, Deserialize)]

@@ -6,9 +6,9 @@ use super::contents::{RULES, is_of_a_run};
 use super::folder::RunFolder;
 use crate::agent::Knowledge;
 use crate::disk;
-use crate::{Error, ErrorKind};
 use crate::record;
 use crate::trial::Plan;
+use crate::{Error, ErrorKind};
 
 impl RunFolder {
     /// Rejects resuming a run if its settings or world were changed, or if the run would replace a

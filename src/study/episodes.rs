@@ -18,8 +18,8 @@ use super::protocol::Protocol;
 use super::runner::threads;
 use super::store::outputs::{EPISODES, LEARNING_CURVES};
 use super::store::{StudyFolder, TrialRecord};
-use crate::episode::{Ending, Episode};
 use crate::Error;
+use crate::episode::{Ending, Episode};
 use crate::trial::Trial;
 
 /// Trials per thread in one batch. Their rows stay in memory until they are written in order.

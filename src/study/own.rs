@@ -8,8 +8,8 @@ use super::error;
 use super::protocol::Protocol;
 use super::runner::{StudyWatcher, run_trials};
 use super::store::{StudyFolder, TrialRecord};
-use crate::agent::Agent;
 use crate::Error;
+use crate::agent::Agent;
 use crate::trial::Plan;
 
 /// Builds the agent of a trial from the trial's plan.

@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::statistics::{Interval, Proportion};
+use crate::Error;
 use crate::agent::Knowledge;
 use crate::arena::{ArenaKind, FaultParams, View};
 use crate::episode::{Observer, Step};
-use crate::Error;
 use crate::run;
 use crate::trial::{Config, Plan};
 

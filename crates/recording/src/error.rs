@@ -3,11 +3,11 @@
 use std::io;
 use std::path::Path;
 
-use xcscr_learner::agent::Misfit;
-use xcscr_robot::arena::PhysicsError;
-use xcscr_learner::trial::{PlanError, RobotError, SettingsError};
-use xcscr_robot::world::{MapError, WorldError, bundled_world};
 use xcs::bounds::OutOfRange;
+use xcscr_learner::agent::Misfit;
+use xcscr_learner::trial::{PlanError, RobotError, SettingsError};
+use xcscr_robot::arena::PhysicsError;
+use xcscr_robot::world::{MapError, WorldError, bundled_world};
 
 /// The kinds of errors. Each has its own exit code of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -12,9 +12,9 @@ use super::drive_messages::{Clock, Imu, Text, Twist};
 use super::messages::{EstimatedPose, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, Transforms};
 use super::topics::BagTopic;
 use super::writer::{ENCAPSULATION, RosWriter, encoded};
+use crate::Error;
 use crate::disk;
 use crate::drive::{DriverStep, Fault, Readings};
-use crate::Error;
 use crate::record::{fault, records};
 use crate::world::Maze;
 

@@ -15,10 +15,10 @@ use serde::{Deserialize, Serialize};
 
 use super::error;
 use super::facts::run_info;
+use crate::Error;
 use crate::agent::{Explorer, Knowledge};
 use crate::arena::{Arena, ArenaKind, Robot, Sample, WheelDrive};
 use crate::episode;
-use crate::Error;
 use crate::record::{RecordMode, RecordSummary, Recorder, RunInfo, RunKind};
 use crate::streams::StreamName;
 use crate::trial::Plan;

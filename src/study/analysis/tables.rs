@@ -4,8 +4,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::summary::ArmSummary;
-use crate::disk;
 use crate::Error;
+use crate::disk;
 use crate::study::protocol::{Arm, Protocol};
 use crate::study::statistics::rounded;
 use crate::study::store::StudyFolder;

@@ -1,9 +1,9 @@
 //! Tasks of a planned study: running them, and their states.
 
-use crate::{Error, ErrorKind};
 use crate::study::own::Agents;
 use crate::study::runner::{StudyWatcher, run_trials};
 use crate::study::store::{PlannedStudy, StudyFolder};
+use crate::{Error, ErrorKind};
 
 /// The trials of a task after an attempt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -12,12 +12,12 @@ use super::shipped;
 use crate::agent::Method;
 use crate::arena::ArenaKind;
 use crate::disk;
-use crate::{Error, ErrorKind};
 use crate::sensor::Sensor;
 use crate::study::error;
 use crate::trial::{MOST_TOML_BYTES, RobotProfile, Settings, flatten, shortened, similar};
 use crate::world::{Maze, Recipe};
 use crate::world::{bundled_world, bundled_worlds};
+use crate::{Error, ErrorKind};
 
 /// The contents of a study file, before they are frozen into a [`Protocol`](super::Protocol).
 #[derive(Debug, Clone, PartialEq)]

@@ -19,9 +19,9 @@ pub use keys::StudyKey;
 pub use overrides::Overrides;
 
 use super::error;
+use crate::Error;
 use crate::agent::Method;
 use crate::arena::ArenaKind;
-use crate::Error;
 use crate::sensor::Sensor;
 use crate::trial::{Config, Plan, Settings};
 use crate::world::Maze;

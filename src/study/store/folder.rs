@@ -10,11 +10,11 @@ use super::record::{TrialRecord, trial};
 use super::records::Records;
 use crate::disk;
 use crate::disk::{FolderLock, LOCK};
-use crate::{Error, ErrorKind};
 use crate::study::error;
 use crate::study::own::Agents;
 use crate::study::protocol::Protocol;
 use crate::trial::Plan;
+use crate::{Error, ErrorKind};
 
 /// Maximum number of records in one write to a journal.
 const MOST_AT_ONCE: usize = 1_000;

@@ -9,8 +9,8 @@ use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 
 use super::record::TrialRecord;
-use crate::disk;
 use crate::Error;
+use crate::disk;
 use crate::study::error;
 
 /// The maximum length of a line, which is more than a record needs.

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use super::folder::StudyFolder;
 use crate::disk;
-use crate::{Error, ErrorKind};
 use crate::study::error;
+use crate::{Error, ErrorKind};
 
 /// The table of episodes.
 pub const EPISODES: &str = "episodes.csv.gz";

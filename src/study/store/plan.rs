@@ -10,9 +10,9 @@ use serde_json::value::RawValue;
 
 use super::journal::Journal;
 use crate::disk;
-use crate::{Error, ErrorKind};
 use crate::study::error;
 use crate::study::protocol::{Protocol, id_of};
+use crate::{Error, ErrorKind};
 use xcs::bounds::within;
 
 /// The file of the plan.

@@ -4,11 +4,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use strum::VariantArray;
 
+use crate::topics::to_parts;
+use xcs::Action;
 use xcscr_learner::agent::DecisionSource;
 use xcscr_learner::episode::Step;
-use crate::topics::to_parts;
 use xcscr_robot::sensor::Sensor;
-use xcs::Action;
 
 /// The name of the action where the agent sets the speeds of the wheels.
 const WHEELS: &str = "wheels";

@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use xcs::{Classifier, Population, PredictionArray};
 use xcscr_learner::agent::Knowledge;
 use xcscr_learner::episode::{Ending, Episode};
-use xcs::{Classifier, Population, PredictionArray};
 
 /// The start of an episode.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

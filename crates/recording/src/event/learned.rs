@@ -6,9 +6,9 @@ use foxglove::messages::{
     Grid, PackedElementField, Pose, Vector2, packed_element_field::NumericType,
 };
 
+use xcs::Action;
 use xcscr_learner::episode::PolicyMap;
 use xcscr_robot::world::{Cell, Maze};
-use xcs::Action;
 
 /// The bytes of a cell on the topic: three numbers of four bytes, and the best actions.
 const STRIDE: usize = 13;

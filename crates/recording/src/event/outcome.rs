@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::decision::action_name;
-use xcscr_robot::arena;
 use xcscr_learner::episode::Step;
+use xcscr_robot::arena;
 
 /// The percept, the decision and the outcome of a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

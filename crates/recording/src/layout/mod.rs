@@ -5,11 +5,11 @@ mod panels;
 use serde_json::{Map, Value, json};
 
 use crate::topics::{caption, policy, size_m};
-use xcscr_robot::world::Maze;
 use panels::{
     Axis, Curve, Panel, Plot, column, curve, gauge, indicator, log, raw, row, scene, states,
     titled, values,
 };
+use xcscr_robot::world::Maze;
 
 /// In mazes with more columns or rows than this, single arrows are visible only to the camera that
 /// follows the robot. From afar, the colours of the floor and the greedy path show the same.

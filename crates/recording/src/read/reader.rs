@@ -11,9 +11,9 @@ use mcap::{Channel, MAGIC, McapError, McapResult};
 use serde::Serialize;
 
 use super::records::{self, Records};
+use crate::EPOCH_NS;
 use crate::disk;
 use crate::error::{Error, ErrorKind};
-use crate::EPOCH_NS;
 use crate::fault;
 use crate::info::{KIND, RecordingKind, RunKind};
 use crate::resume_hint::way_to_resume;

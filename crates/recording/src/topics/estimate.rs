@@ -23,11 +23,7 @@ const ABOVE: f64 = 1.1;
 
 /// Creates an ellipse around the estimated position, ten times enlarged, and a marker of the
 /// estimated pose.
-pub(crate) fn entities(
-    estimate: &Estimate,
-    radius_m: f64,
-    time_ns: u64,
-) -> [SceneEntity; 2] {
+pub(crate) fn entities(estimate: &Estimate, radius_m: f64, time_ns: u64) -> [SceneEntity; 2] {
     let mut ellipse = entity("ellipse", ESTIMATE, time_ns);
     ellipse.cylinders = vec![around(estimate, radius_m)];
     let mut estimated_pose = entity("estimated_pose", ESTIMATE, time_ns);

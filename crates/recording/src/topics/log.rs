@@ -3,8 +3,8 @@
 use foxglove::messages::{Log, log::Level};
 
 use super::scene::timestamp;
-use xcscr_robot::arena::Outcome;
 use xcscr_learner::episode::{Ending, Episode, Step};
+use xcscr_robot::arena::Outcome;
 
 /// Logs the start of an episode.
 pub(crate) fn began(episode: u32, time_ns: u64) -> Log {

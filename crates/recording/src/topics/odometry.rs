@@ -6,9 +6,9 @@ use foxglove::messages::{Odometry, Vector3};
 use super::scene::{ESTIMATE, MAP, ROBOT, timestamp};
 use super::transforms::visible;
 use super::{rounded, to_parts};
-use xcscr_robot::arena::Estimate;
 use crate::event::Pose;
 use nalgebra::Isometry2;
+use xcscr_robot::arena::Estimate;
 
 /// Covariances are written in multiples of this fraction of a square metre: a millimetre, squared.
 const PARTS: f64 = 1_048_576.0;

@@ -53,10 +53,7 @@ pub(crate) fn perceived_cells(
 }
 
 /// Creates the scene of the perceived cells and the estimated pose.
-pub(crate) fn scene(
-    perceived_cells: SceneEntity,
-    estimate: Vec<SceneEntity>,
-) -> SceneUpdate {
+pub(crate) fn scene(perceived_cells: SceneEntity, estimate: Vec<SceneEntity>) -> SceneUpdate {
     update([vec![perceived_cells], estimate].concat())
 }
 

@@ -108,8 +108,8 @@ pub(super) fn visible(pose: &Isometry2<f64>) -> Pose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use xcscr_robot::arena::Estimate;
     use nalgebra::{Matrix3, Vector2};
+    use xcscr_robot::arena::Estimate;
 
     /// Returns parent, child and position of each frame.
     fn shown(message: &FrameTransforms) -> Vec<(&str, &str, [f64; 2])> {

@@ -2,18 +2,18 @@
 
 use super::odometry::Odometry;
 use super::trajectory::Trajectory;
-use xcscr_learner::agent::Agent;
-use xcscr_robot::arena::View;
-use xcscr_learner::episode::{self, Episode, PolicyMap, Step};
 use crate::event::{
     Begin, Contact, Curve, Decision, End, Event, Learned, Localisation, Outcome, Outlook,
 };
 use crate::info::RunInfo;
 use crate::topics::{log, policy, scan};
-use xcscr_robot::sensor::Sensor;
-use xcscr_learner::trial::{Judge, steps_to_goal};
-use xcscr_robot::world::{Cell, Maze};
 use xcs::PredictionArray;
+use xcscr_learner::agent::Agent;
+use xcscr_learner::episode::{self, Episode, PolicyMap, Step};
+use xcscr_learner::trial::{Judge, steps_to_goal};
+use xcscr_robot::arena::View;
+use xcscr_robot::sensor::Sensor;
+use xcscr_robot::world::{Cell, Maze};
 
 /// The average number of cells per step whose action values are queried.
 const CELLS_A_STEP: u32 = 64;

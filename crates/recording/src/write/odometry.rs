@@ -2,8 +2,8 @@
 
 use nalgebra::{Complex, Isometry2, Translation2, UnitComplex};
 
-use xcscr_robot::arena::{Sample, View};
 use crate::event::Pose;
+use xcscr_robot::arena::{Sample, View};
 
 /// Computes poses, with those of a robot that only counts the rotation of its wheels.
 #[derive(Debug)]

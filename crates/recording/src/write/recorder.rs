@@ -8,15 +8,15 @@ use std::sync::Arc;
 use super::event_source::{EventSource, Timed};
 use super::file::File;
 use super::stream::{Scenery, Stream};
-use xcscr_learner::agent::Agent;
-use xcscr_robot::arena::View;
 use crate::disk;
-use xcscr_learner::episode::{Episode, Learned, Observer, Step};
 use crate::error::Error;
 use crate::info::{RecordingKind, RunInfo};
 use crate::layout;
 use crate::mode::RecordMode;
 use crate::topics::Topic;
+use xcscr_learner::agent::Agent;
+use xcscr_learner::episode::{Episode, Learned, Observer, Step};
+use xcscr_robot::arena::View;
 use xcscr_robot::world::Maze;
 
 /// Writes one MCAP file per episode, `ep-0001.mcap` and so on. `run.mcap` contains the events that

@@ -11,11 +11,11 @@ use curves::Curves;
 use episodes::Episodes;
 use panels::Panels;
 
-use crate::{Error, ErrorKind};
 use crate::page::Picture;
 use crate::picture::png;
 use crate::study::analysis::summary::ArmRecords;
 use crate::study::store::StudyFolder;
+use crate::{Error, ErrorKind};
 
 /// Draws the figures of a study into its folder, and returns them.
 ///
