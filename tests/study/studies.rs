@@ -37,6 +37,23 @@ fn links_in_a_study_folder_lead_nobody_out_of_it() {
     assert_eq!(desk.read("precious"), "precious");
 }
 
+#[test]
+fn force_removes_journals_and_no_other_file_beside_them() {
+    let desk = Desk::new();
+    desk.done("run small.toml --trials 1 --out a");
+    let foreign = "a/journals/00001-notes.txt";
+    desk.write(foreign, "mine");
+    desk.done("status a");
+    desk.write("a/journals/00001-0123456789", "mine, too");
+    let other = "run small.toml --trials 1 --seed 8 --out a --force";
+    desk.refused(other, 73, "00001-0123456789 is not a journal of xcscr");
+    assert_eq!(desk.trials("a").len(), 4, "nothing was removed");
+    fs::remove_file(desk.path("a/journals/00001-0123456789")).unwrap();
+    desk.done(other);
+    assert_eq!(desk.read(foreign), "mine");
+    assert_eq!(folder::names(&desk.path("a/journals")).len(), 2);
+}
+
 /// The interval of the share of successes in each row of the table of a study that is not complete.
 fn intervals(desk: &Desk, folder: &str) -> Vec<String> {
     let report = desk.ends(&format!("report {folder} --format md"), 1).0;
@@ -262,9 +279,9 @@ fn journals_that_contradict_themselves_or_each_other_are_refused() {
     // Another journal, beside this one and in another folder.
     lines = sound;
     lines[1] = forge(&lines[1], "rules", 999.into());
-    let twin = format!("{}0", path.display());
-    keep(&PathBuf::from(&twin), &lines);
-    let name = twin.rsplit('/').next().unwrap();
+    let name = "00001-zzzzzzzzzz";
+    let twin = path.with_file_name(name);
+    keep(&twin, &lines);
     desk.refused("merge a --out c", 65, "another result of trial 0");
     desk.refused("merge a --out c", 65, name);
     fs::remove_file(twin).unwrap();

@@ -119,8 +119,12 @@ impl StudyFolder {
             return Ok(());
         }
         let _lock = lock(path)?;
+        let journals = found.journals()?;
+        for (_, journal) in &journals {
+            require_journal(journal)?;
+        }
         Self::remove_outputs(path)?;
-        for (_, journal) in found.journals()? {
+        for (_, journal) in journals {
             disk::remove(&journal).map_err(error::io(&journal))?;
         }
         // The folder has a plan at any moment, so that it is recognised as the folder of a study.
@@ -268,6 +272,18 @@ impl StudyFolder {
                 "{missing} of {total} trials are missing; `xcscr study status` lists them"
             ))),
         }
+    }
+}
+
+/// Checks that a file is a journal before it is removed. A user may give a file such a name.
+fn require_journal(file: &Path) -> Result<(), Error> {
+    match journal::is_journal(file)? {
+        true => Ok(()),
+        false => Err(ErrorKind::CannotCreate.error(format!(
+            "{} is not a journal of xcscr; nothing was removed: move the file to another folder, then \
+             run the command again",
+            file.display()
+        ))),
     }
 }
 

@@ -20,6 +20,8 @@ const MOST_LINE_BYTES: u64 = 1 << 20;
 const MAGIC: &str = "xcscr study journal";
 /// The version of the line format.
 const FORMAT: u32 = 3;
+/// The random characters at the end of a name.
+const RANDOM_CHARACTERS: usize = 10;
 
 /// An open journal.
 #[derive(Debug)]
@@ -33,7 +35,7 @@ impl Journal {
     pub fn begin(folder: &Path, task: usize, plan: &str) -> Result<Self, Error> {
         let mut builder = tempfile::Builder::new();
         let prefix = format!("{task:05}-");
-        builder.prefix(&prefix).rand_bytes(10);
+        builder.prefix(&prefix).rand_bytes(RANDOM_CHARACTERS);
         // Temporary files are readable only by their owner; make this one as readable as other
         // files.
         #[cfg(unix)]
@@ -61,6 +63,29 @@ impl Journal {
     pub fn sync(&mut self) -> Result<(), Error> {
         self.file.sync_data().map_err(error::io(&self.path))
     }
+}
+
+/// Returns the task in the name of a journal, or `None` for a file of another name.
+pub fn task_of(name: &str) -> Option<usize> {
+    let (task, random) = name.split_once('-')?;
+    let is_ours = task.len() >= 5
+        && task.bytes().all(|digit| digit.is_ascii_digit())
+        && random.len() == RANDOM_CHARACTERS
+        && random.bytes().all(|byte| byte.is_ascii_alphanumeric());
+    task.parse().ok().filter(|_| is_ours)
+}
+
+/// Returns true if a file begins like a journal of any plan. A killed process leaves a beginning of
+/// the first line.
+///
+/// # Errors
+/// An error of the file system.
+pub fn is_journal(path: &Path) -> Result<bool, Error> {
+    let file = disk::open(path).map_err(error::io(path))?;
+    let mut first = Vec::new();
+    let read = file.take(MAGIC.len() as u64).read_to_end(&mut first);
+    read.map_err(error::io(path))?;
+    Ok(MAGIC.as_bytes().starts_with(&first))
 }
 
 /// Calls `each` with the records of a journal, in the order of its lines. An incomplete last line is

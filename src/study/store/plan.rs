@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
-use super::journal::Journal;
+use super::journal::{self, Journal};
 use crate::disk;
 use crate::study::error;
 use crate::study::protocol::{Protocol, id_of};
@@ -219,9 +219,8 @@ impl PlannedStudy {
         for entry in folder.read_dir().map_err(io)? {
             let name = entry.map_err(io)?.file_name();
             // Ignore other files, such as those of a network file system.
-            let task = name.to_str().and_then(|name| name.split_once('-'));
-            match task.map(|(task, _)| task.parse()) {
-                Some(Ok(task)) if (1..=self.tasks).contains(&task) => {
+            match name.to_str().and_then(journal::task_of) {
+                Some(task) if (1..=self.tasks).contains(&task) => {
                     found.push((task, folder.join(name)));
                 }
                 _ => {}

@@ -14,6 +14,8 @@ use xcscr::trial::{Plan, RobotProfile};
 use xcscr::world::{Cell, Maze, Paths};
 use xcscr::xcs::Action;
 
+use crate::kit::desk::Desk;
+
 const STEP_NS: u64 = 50_000_000;
 
 fn maze4() -> Maze {
@@ -189,6 +191,41 @@ fn a_recorded_drive_gives_the_same_decisions_again() {
     assert_eq!(words, decisions);
     let refused = DriveBag::create(&file, false, &maze4(), 0);
     assert!(refused.is_err(), "an earlier recording is kept");
+}
+
+/// Writes a bag of a robot that drives for some steps, without the decisions of its driver.
+fn write_bag(desk: &Desk, name: &str, steps: usize, tamper: impl Fn(&mut Readings)) {
+    let mut rig = Rig::maze4();
+    let mut bag = DriveBag::create(&desk.path(name), false, &maze4(), rig.now_ns).unwrap();
+    for _ in 0..steps {
+        let mut readings = Readings::default();
+        let step = rig.tick(|arrived| {
+            tamper(arrived);
+            readings = arrived.clone();
+        });
+        let step = DriverStep {
+            decision: None,
+            ..step
+        };
+        bag.step(rig.now_ns, &readings, &step).unwrap();
+    }
+    bag.finish().unwrap();
+}
+
+#[test]
+fn a_bag_that_leads_to_no_decision_ends_with_an_error() {
+    let desk = Desk::new();
+    desk.train("run", "maze4 --arena physics --episodes 1 --record none");
+    write_bag(&desk, "sound.mcap", 100, |_| ());
+    write_bag(&desk, "blind.mcap", 100, |readings| readings.scans.clear());
+    write_bag(&desk, "empty.mcap", 0, |_| ());
+    let control = desk.ok("drive @run --bag @sound.mcap");
+    assert!(control.ends_with(" decisions\n"), "{control}");
+    for (bag, fault) in [("blind", "stops: "), ("empty", "")] {
+        let (stdout, stderr) = desk.run(1, &format!("drive @run --bag @{bag}.mcap"));
+        assert!(stdout.contains(fault), "{stdout}");
+        assert!(stderr.contains("led to no decision"), "{stderr}");
+    }
 }
 
 #[test]
