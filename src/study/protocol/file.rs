@@ -14,7 +14,7 @@ use crate::arena::ArenaKind;
 use crate::disk;
 use crate::sensor::Sensor;
 use crate::study::error;
-use crate::trial::{MOST_TOML_BYTES, RobotProfile, Settings, flatten, shortened, similar};
+use crate::trial::{MOST_TOML_BYTES, RobotProfile, Settings, shortened, similar};
 use crate::world::{Maze, Recipe};
 use crate::world::{bundled_world, bundled_worlds};
 use crate::{Error, ErrorKind};
@@ -58,9 +58,7 @@ pub(super) struct Document {
     #[serde(default)]
     pub method_settings: BTreeMap<String, Table>,
     #[serde(default)]
-    pub sweep: Table,
-    #[serde(default)]
-    pub variants: Vec<Table>,
+    pub sweep: Option<Value>,
     #[serde(default)]
     pub without: Vec<String>,
 }
@@ -207,20 +205,6 @@ impl StudyFile {
         }
         Ok(settings.get(method.name()).cloned().unwrap_or_default())
     }
-
-    /// Returns the swept settings and their values, sorted by full name.
-    pub(super) fn sweep(&self) -> Result<Vec<(String, Vec<Value>)>, Error> {
-        let mut entries = flatten(self.document.sweep.clone());
-        entries.sort_by(|a, b| a.0.cmp(&b.0));
-        let list = |(key, value): (String, Value)| match value {
-            Value::Array(values) if !values.is_empty() => Ok((key, values)),
-            _ => Err(error::file(
-                &self.origin,
-                format!("`sweep.{key}` must be a list of values, such as [0.1, 0.2]"),
-            )),
-        };
-        entries.into_iter().map(list).collect()
-    }
 }
 
 /// Returns the error for a study that is neither a file nor shipped.
@@ -301,7 +285,13 @@ mod tests {
                 changed("\"s\"", r#""\u001b[31mred""#),
                 "a control character",
             ),
-            (with("[sweep]\n\"xcs.beta\" = 0.1"), "must be a list"),
+            (with("[sweep]\n\"xcs.beta\" = []"), "has no values"),
+            (with("sweep = [1]"), "`sweep` must be a table of settings"),
+            (with("sweep = []"), "`sweep` must be a table of settings"),
+            (
+                with("[sweep]\nname = \"A b\""),
+                "`sweep.name` must be a text of",
+            ),
             (
                 with("[method-settings.xcsr]\n\"xcs.beta\" = 0.1"),
                 "there is no method `xcsr`",

@@ -4,7 +4,7 @@ use toml::Table;
 
 use super::file::{Document, NOTHING};
 use super::overrides::Overrides;
-use super::variants::{product, variants, with_entry};
+use super::variants::{number_of_combinations, product, variants, with_entry};
 use super::{Arm, MOST_ARMS, MOST_GENERATED, MOST_WORLDS, Protocol, StudyFile, Variant};
 use crate::Error;
 use crate::agent::Method;
@@ -61,14 +61,9 @@ fn check_number(file: &StudyFile, places: usize) -> Result<(), Error> {
         sensors.map(Vec::len).max().unwrap_or(1),
         document.after.len().max(1),
         document.without.len() + 1,
-        document.variants.len().max(1),
+        number_of_combinations(file)?,
     ];
-    let swept = file.sweep()?.into_iter().map(|(_, values)| values.len());
-    let swept = swept.fold(1, usize::saturating_mul);
-    let number = fixed
-        .into_iter()
-        .chain([swept])
-        .fold(places, usize::saturating_mul);
+    let number = fixed.into_iter().fold(places, usize::saturating_mul);
     if number <= MOST_ARMS {
         return Ok(());
     }
@@ -206,6 +201,18 @@ mod tests {
     }
 
     #[test]
+    fn a_list_of_tables_runs_each_and_a_name_stands_for_its_single_values() {
+        let text = "[[sweep]]\nname = \"calm\"\nphysics.noise = 1.0\n[[sweep]]\nname = \"windy\"\nphysics.noise = 3.0\nxcs.beta = [0.1, 0.2]\n[[sweep]]\nxcs.mu = 0.1\n";
+        let study = protocol(&format!("arenas = [\"physics\"]\n{text}"), &[]).unwrap();
+        let arms = || study.arms[..4].iter();
+        let names: Vec<String> = arms().map(|arm| arm.variant.to_string()).collect();
+        let windy = ["name=windy xcs.beta=0.1", "name=windy xcs.beta=0.2"];
+        assert_eq!(names, ["name=calm", windy[0], windy[1], "xcs.mu=0.1"]);
+        let noises: Vec<f64> = arms().map(|arm| arm.settings.physics.noise).collect();
+        assert_eq!(noises, [1.0, 3.0, 3.0, 1.0]);
+    }
+
+    #[test]
     fn a_study_that_is_too_large_or_sets_a_value_twice_is_refused_before_it_is_made() {
         let values = vec!["0.5"; 100].join(", ");
         let keys = ["xcs.beta", "xcs.mu", "xcs.chi", "xcs.delta", "xcs.alpha"];
@@ -218,6 +225,21 @@ mod tests {
                 "it has 40000000000 combinations, but the maximum is 2500",
             ),
             (both, &[], "in `sweep` and in `without`"),
+            (
+                "without = [\"xcs.ga\"]\n[sweep]\nname = \"no-ga\"\nxcs.ga = false\n",
+                &[],
+                "in `sweep` and in `without`",
+            ),
+            (
+                "[sweep]\n\"xcs.beta\" = [0.1, 0.2, 0.1]\n",
+                &[],
+                "`sweep` has `xcs.beta=0.1` twice",
+            ),
+            (
+                "[[sweep]]\nname = \"a\"\nxcs.mu = 0.1\n[[sweep]]\nname = \"a\"\nxcs.mu = 0.2\n",
+                &[],
+                "`sweep` has `name=a` twice",
+            ),
             (
                 "[sweep]\n\"xcs.beta\" = [0.1]\n",
                 &["xcs.beta=1"],

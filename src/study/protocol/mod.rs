@@ -147,7 +147,7 @@ impl Protocol {
     pub(super) fn add_agent(&mut self, name: &str) -> Result<(), Error> {
         let origin = self.name.clone();
         let refusal = |fault: String| Err(error::file(&origin, fault));
-        if !is_agent_name(name) {
+        if !is_plain_name(name) {
             return refusal(format!(
                 "invalid agent name `{name}`: use 1 to 40 lower-case letters, digits and hyphens"
             ));
@@ -301,7 +301,7 @@ impl Protocol {
             return Err("`name` contains a control character: remove it".to_owned());
         }
         let agents = self.arms.iter().filter_map(|arm| arm.agent.as_ref());
-        if let Some(name) = agents.into_iter().find(|name| !is_agent_name(name)) {
+        if let Some(name) = agents.into_iter().find(|name| !is_plain_name(name)) {
             return Err(format!("invalid agent name `{name}`"));
         }
         for worlds in [&self.worlds, &self.earlier] {
@@ -339,8 +339,9 @@ impl Protocol {
     }
 }
 
-/// Returns true for a valid name of a custom agent. It is printed in tables, pages and terminals.
-fn is_agent_name(name: &str) -> bool {
+/// Returns true for a valid name of a custom agent or of a variant. It is printed in tables, pages
+/// and terminals.
+fn is_plain_name(name: &str) -> bool {
     let is_plain = |letter: char| matches!(letter, 'a'..='z' | '0'..='9' | '-');
     (1..=40).contains(&name.len()) && name.chars().all(is_plain)
 }

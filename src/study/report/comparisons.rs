@@ -224,11 +224,15 @@ fn pairs_of_values<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     arms.iter().flat_map(of_arm).collect()
 }
 
-/// Returns a varied setting and its value, as in `xcs.beta=0.1`.
+/// Returns a varied setting and its value, as in `xcs.beta=0.1`. Another table of the sweep may not
+/// have the setting.
 fn value_of(arm: &Arm, key: &str) -> String {
     let mut variant = arm.variant.clone();
     variant.0.retain(|other, _| other == key);
-    variant.to_string()
+    match variant.0.is_empty() {
+        true => format!("{key}=default"),
+        false => variant.to_string(),
+    }
 }
 
 /// Returns the method that is compared with all others.

@@ -59,13 +59,19 @@ fn variant(variant: &Variant, letters: &[(String, String)]) -> String {
             v.as_str().map_or(v.to_string(), str::to_owned)
         });
     }
-    let word = |(letter, key): &(String, String)| match variant.0.get(key) {
-        Some(Value::Bool(true)) => letter.clone(),
-        Some(Value::Bool(false)) | None => "–".to_owned(),
-        Some(Value::String(text)) => format!("{letter}={text}"),
-        Some(value) => format!("{letter}={value}"),
+    let word = |(letter, key): &(String, String)| {
+        Some(match variant.0.get(key)? {
+            Value::Bool(true) => letter.clone(),
+            Value::Bool(false) => "–".to_owned(),
+            Value::String(text) => format!("{letter}={text}"),
+            value => format!("{letter}={value}"),
+        })
     };
-    letters.iter().map(word).collect::<Vec<_>>().join(" ")
+    letters
+        .iter()
+        .filter_map(word)
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// Formats all arms and their summaries as a table. Constant columns are left out.

@@ -39,34 +39,39 @@ fn words(scope: &str, items: &[&String]) -> String {
     }
 }
 
-/// Returns the methods, worlds or arms for which `holds` is true. Empty for all arms.
+/// Returns the methods, worlds, variants or arms for which `holds` is true. Empty for all arms.
 fn scope(arms: &[Arm], holds: &[bool]) -> String {
     if holds.iter().all(|holds| *holds) {
         return String::new();
     }
-    let by = |name: fn(&Arm) -> &str| {
-        let held = |one: &&str| {
+    let by = |name: &dyn Fn(&Arm) -> String| {
+        let held = |one: &String| {
             let mut own = arms.iter().zip(holds).filter(|(arm, _)| name(arm) == *one);
             own.all(|(_, holds)| *holds)
         };
         let names = distinct(arms.iter().map(name)).into_iter();
-        let names: Vec<&str> = names.filter(held).collect();
+        let names: Vec<String> = names.filter(held).collect();
         let covered = arms.iter().zip(holds);
         let whole = covered
             .filter(|(_, holds)| **holds)
             .all(|(arm, _)| names.contains(&name(arm)));
         whole.then(|| names.join(", "))
     };
-    if let Some(methods) = by(|arm| arm.method_name()) {
+    if let Some(methods) = by(&|arm| arm.method_name().to_owned()) {
         return format!("for {methods}");
     }
-    if let Some(worlds) = by(|arm| &arm.world) {
+    if let Some(worlds) = by(&|arm| arm.world.clone()) {
         return format!("in {worlds}");
     }
+    if let Some(variants) = by(&|arm| arm.variant.to_string()) {
+        return format!("with {variants}");
+    }
     let held = arms.iter().zip(holds).filter(|(_, holds)| **holds);
-    let places: BTreeSet<String> = held
-        .map(|(arm, _)| format!("{} in {}", arm.method_name(), arm.world))
-        .collect();
+    let place = |arm: &Arm| match arm.variant.to_string() {
+        empty if empty.is_empty() => format!("{} in {}", arm.method_name(), arm.world),
+        variant => format!("{} in {} with {variant}", arm.method_name(), arm.world),
+    };
+    let places: BTreeSet<String> = held.map(|(arm, _)| place(arm)).collect();
     format!("for {}", Vec::from_iter(places).join(", "))
 }
 
@@ -133,6 +138,9 @@ mod tests {
         ] {
             assert!(told.contains(words), "{words} is missing in {told}");
         }
+        let named = "[[sweep]]\nname = \"calm\"\n[[sweep]]\nname = \"greedy\"\nxcs.mu = 0.1\n";
+        let words = "Settings: the defaults; with name=greedy: `xcs.mu` = 0.1 (default 0.01).";
+        assert_eq!(said(named), words);
         let switched = said("without = [\"xcs.ga\"]\n");
         assert_eq!(switched, "Settings: the defaults.");
     }
