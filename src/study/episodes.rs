@@ -15,8 +15,9 @@ use serde::Serialize;
 use super::analysis::learning::CurveSums;
 use super::own::{Agents, Study};
 use super::protocol::Protocol;
+use super::report::Report;
 use super::runner::threads;
-use super::store::outputs::{EPISODES, LEARNING_CURVES};
+use super::store::outputs::{EPISODES, LEARNING_CURVES, io_error};
 use super::store::{StudyFolder, TrialRecord};
 use crate::Error;
 use crate::episode::{Ending, Episode};
@@ -77,13 +78,13 @@ impl EpisodeRow {
 }
 
 impl Study {
-    /// Runs the trials of a study again. Writes a row for each episode to `episodes.csv.gz` in
+    /// Runs the trials of a complete study again. Writes a row for each episode to `episodes.csv.gz` in
     /// the study's folder, in the order of the trials. Writes the means to `learning-curves.csv`,
-    /// which the report plots. A failed trial has no rows. `stop` is called between batches of
-    /// trials.
+    /// and the report anew, which plots them. A failed trial has no rows. `stop` is called between
+    /// batches of trials.
     ///
     /// # Errors
-    /// When the threads cannot be started, this program lacks an agent of the study, a trial has another result
+    /// When trials are missing, the report was changed by hand, the threads cannot be started, this program lacks an agent of the study, a trial has another result
     /// than the stored one, a file has other contents or cannot be written, or `stop` returned true.
     pub fn write_episodes(
         &self,
@@ -91,11 +92,33 @@ impl Study {
         jobs: usize,
         stop: &dyn Fn() -> bool,
     ) -> Result<(), Error> {
-        let pool = threads(jobs)?;
-        let arms = &folder.protocol().arms;
+        folder.require_complete()?;
         self.agents.require_for(folder.protocol())?;
+        Report::new(folder).write(folder)?;
+        let curves = self.write_episode_table(folder, jobs, stop)?;
+        // The report has no learning curves yet. An interrupted command can be repeated without it.
+        folder.remove_reports()?;
+        folder.write_with(LEARNING_CURVES, |file| {
+            let mut table = csv::Writer::from_writer(file);
+            let arms = folder.protocol().arms.iter().zip(&curves);
+            for point in arms.flat_map(|(arm, sums)| sums.points(arm)) {
+                table.serialize(point).map_err(io_error)?;
+            }
+            table.flush()
+        })?;
+        Report::new(folder).write(folder)
+    }
+
+    /// Writes the table of episodes, and returns the sums of the learning curve of each arm.
+    fn write_episode_table(
+        &self,
+        folder: &StudyFolder,
+        jobs: usize,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Vec<CurveSums>, Error> {
+        let pool = threads(jobs)?;
         let mut sums: Vec<CurveSums> = Vec::new();
-        sums.resize_with(arms.len(), CurveSums::default);
+        sums.resize_with(folder.protocol().arms.len(), CurveSums::default);
         let mut differs = None;
         let written = folder.write_with(EPISODES, |file| {
             let mut table = csv::Writer::from_writer(GzEncoder::new(file, Compression::default()));
@@ -105,18 +128,7 @@ impl Study {
             packed.finish().map(|_| ())
         });
         differs.map_or(Ok(()), Err)?;
-        written?;
-        folder.write_with(LEARNING_CURVES, |file| {
-            let mut table = csv::Writer::from_writer(file);
-            for point in arms
-                .iter()
-                .zip(&sums)
-                .flat_map(|(arm, sums)| sums.points(arm))
-            {
-                table.serialize(point)?;
-            }
-            table.flush()
-        })
+        written.map(|()| sums)
     }
 }
 
@@ -146,7 +158,9 @@ fn write_rows(
             if !rows.is_empty() {
                 sums[record.trial / protocol.trials].add(rows.iter().map(|row| row.steps));
             }
-            rows.iter().try_for_each(|row| table.serialize(row))?;
+            let mut rows = rows.iter();
+            rows.try_for_each(|row| table.serialize(row))
+                .map_err(io_error)?;
         }
     }
     Ok(())

@@ -150,17 +150,19 @@ pub fn run(command: &StudyCommand, out: &mut Results) -> Result<(), Failure> {
             force,
         } => {
             let folder = merge(folder, path.as_deref(), *force)?;
-            let folder = match episodes_csv {
-                true => with_episodes(folder, 0)?,
-                false => folder,
-            };
+            if *episodes_csv {
+                write_episodes(&folder, 0)?;
+            }
             finish(&folder, Format::Text, out)
         }
         StudyCommand::Episodes {
             folder,
             jobs,
             force,
-        } => episodes(folder, (*jobs).into(), *force),
+        } => {
+            let folder = StudyFolder::read_locked(folder)?.replacing(*force);
+            write_episodes(&folder, (*jobs).into())
+        }
         StudyCommand::Report {
             folder,
             force,
@@ -198,10 +200,9 @@ fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
     drop(progress);
     let missing = folder.missing();
     if missing.is_empty() {
-        let folder = match args.episodes_csv {
-            true => with_episodes(folder, args.jobs.into())?,
-            false => folder,
-        };
+        if args.episodes_csv {
+            write_episodes(&folder, args.jobs.into())?;
+        }
         return finish(&folder, Format::Text.or_json(args.json), out);
     }
     let all = study.protocol().len();
@@ -212,24 +213,7 @@ fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
     Err(Failure::new(ErrorKind::Interrupted, message))
 }
 
-/// Writes the table of episodes of the study in a folder.
-fn episodes(path: &Path, jobs: usize, force: bool) -> Result<(), Failure> {
-    let folder = StudyFolder::read_locked(path)?.replacing(force);
-    if !folder.missing().is_empty() {
-        return write_episodes(&folder, jobs);
-    }
-    let folder = with_episodes(folder, jobs)?;
-    Ok(Report::new(&folder).write(&folder)?)
-}
-
-/// Writes the table of episodes of a complete study. The existing report, which has no learning
-/// curves, may then be replaced, unless it was changed by hand.
-fn with_episodes(folder: StudyFolder, jobs: usize) -> Result<StudyFolder, Failure> {
-    Report::new(&folder).write(&folder)?;
-    write_episodes(&folder, jobs)?;
-    Ok(folder.replacing(true))
-}
-
+/// Writes the table of episodes of a complete study, and the report with its learning curves.
 fn write_episodes(folder: &StudyFolder, jobs: usize) -> Result<(), Failure> {
     let interrupt = Interrupt::notice()?;
     let study = Study::new(folder.protocol().clone());

@@ -9,6 +9,7 @@ use crate::disk;
 use crate::study::protocol::{Arm, Protocol};
 use crate::study::statistics::rounded;
 use crate::study::store::StudyFolder;
+use crate::study::store::outputs::io_error;
 use crate::study::store::{Driven, Figures, TrialRecord};
 use crate::trial::Progress;
 
@@ -131,14 +132,16 @@ impl StudyFolder {
         let protocol = self.protocol();
         self.write_with("trials.csv", |file| {
             let mut table = csv::Writer::from_writer(file);
-            table.write_record(COLUMNS.map(|(name, _)| name))?;
+            let names = COLUMNS.map(|(name, _)| name);
+            table.write_record(names).map_err(io_error)?;
             for record in self.records() {
                 let row = Row {
                     protocol,
                     arm: protocol.arm(record.trial),
                     record: &record,
                 };
-                table.serialize(COLUMNS.map(|(_, cell)| cell(&row)).as_slice())?;
+                let cells = COLUMNS.map(|(_, cell)| cell(&row));
+                table.serialize(cells.as_slice()).map_err(io_error)?;
             }
             table.flush()
         })?;

@@ -36,11 +36,29 @@ fn outputs() -> impl Iterator<Item = String> {
     DOCUMENTS.into_iter().map(str::to_owned).chain(figures)
 }
 
+/// Returns the error of the file behind a table. The conversion of the library hides its kind.
+pub fn io_error(fault: csv::Error) -> io::Error {
+    match fault.into_kind() {
+        csv::ErrorKind::Io(cause) => cause,
+        other => io::Error::other(format!("{other:?}")),
+    }
+}
+
 impl StudyFolder {
     /// Sets whether to overwrite files whose contents differ from what the study would write.
     pub fn replacing(mut self, force: bool) -> Self {
         self.force = force;
         self
+    }
+
+    /// Removes the reports, which are generated from the tables.
+    pub(in crate::study) fn remove_reports(&self) -> Result<(), Error> {
+        ["report.md", "report.html"]
+            .into_iter()
+            .try_for_each(|name| {
+                let file = self.path().join(name);
+                disk::remove(&file).map_err(error::io(&file))
+            })
     }
 
     /// Removes all generated files.
