@@ -44,12 +44,13 @@ fn check_signals(fault: &Fault) {
     }
 }
 
-/// Runs a study file with agents of Python in addition. Writes tables, report and figures to the folder `out`.
+/// Runs a study file with agents of Python in addition, and compares `reference` with each other method. Writes tables, report and figures to the folder `out`.
 #[pyfunction]
 pub fn run_study(
     py: Python<'_>,
     text: &str,
     agents: Vec<(String, Py<PyAny>)>,
+    reference: Option<&str>,
     out: PathBuf,
     jobs: usize,
 ) -> PyResult<Study> {
@@ -65,6 +66,9 @@ pub fn run_study(
         let fault = fault.clone();
         let build = move |plan: &_| Box::new(External::new(&class, plan, fault.clone())) as Box<_>;
         study = study.with_agent(&name, build).map_err(invalid)?;
+    }
+    if let Some(reference) = reference {
+        study = study.reference(reference).map_err(invalid)?;
     }
     let ran = py.detach(|| study.run(&out, jobs, &mut Watcher(fault.clone())));
     fault.check()?;
@@ -110,10 +114,7 @@ impl Study {
         };
         let written = py.detach(|| {
             let folder = StudyFolder::read_locked(&self.folder)?;
-            self.study.write_episodes(&folder, jobs, &stop)?;
-            // The report of the same study may be replaced by the one with learning curves.
-            let folder = folder.replacing(true);
-            Report::new(&folder).write(&folder)
+            self.study.write_episodes(&folder, jobs, &stop)
         });
         self.fault.check()?;
         written.map_err(invalid)

@@ -125,6 +125,23 @@ def test_results_do_not_depend_on_the_number_of_threads_and_a_folder_resumes(tmp
     pandas.testing.assert_frame_equal(one, study(["q-learning", QLearning], out=tmp_path / "one").trials())
 
 
+def test_a_reference_is_chosen_and_trials_and_agents_are_added_to_a_study(tmp_path):
+    few = study(["xcscr", QLearning], out=tmp_path / "a", trials=2, reference=QLearning)
+    report = few.report()
+    assert "qlearning − xcscr" in report and "xcscr − qlearning" not in report
+
+    class Other(QLearning):
+        pass
+
+    more = study(["xcscr", "q-learning", QLearning, Other], out=tmp_path / "a", trials=3, reference="q-learning")
+    at_once = study(["xcscr", "q-learning", QLearning, Other], trials=3, reference="q-learning")
+    pandas.testing.assert_frame_equal(more.trials(), at_once.trials())
+    assert more.report() == at_once.report()
+    assert len(list((tmp_path / "a" / "journals").iterdir())) == 2
+    with pytest.raises(ValueError, match="`reference` has 'xcs', which is unknown"):
+        study(["xcscr", QLearning], reference="xcs")
+
+
 class Random(QLearning):
     """Chooses by a generator that no seed determines."""
 

@@ -106,6 +106,7 @@ def study(
     arena: str = "grid",
     sensor: str | None = None,
     settings: dict[str, Any] | None = None,
+    reference: str | Callable[..., Agent] | None = None,
     seed: int = 1,
     out: str | os.PathLike[str] | None = None,
     jobs: int = 0,
@@ -113,8 +114,11 @@ def study(
     """Runs paired trials of each method in each world, and compares them.
 
     `methods` are names (`xcscr.methods()`), at least one, and classes of your own agents: see `xcscr.studies.Agent`. Trial n has
-    the same seed for all methods. `out` keeps the study in a folder, and the same call resumes it there. Choose
-    another folder when the code of an agent has changed: one trial of each agent is repeated, and another result than
+    the same seed for all methods. The report compares `reference`, one of the methods, with each other one; by default
+    it is `xcscr-plus`, or else `xcscr`, or else the last method.
+
+    `out` keeps the study in a folder, and the same call resumes it there. A call with more trials, methods or worlds
+    adds them to the study. Choose another folder when the code of an agent has changed: one trial of each agent is repeated, and another result than
     the stored one raises ValueError. `jobs` is the number of threads, 0 for all cores; the results
     do not depend on it.
     """
@@ -122,12 +126,15 @@ def study(
         methods = list(methods)
     text = _study_file(worlds, methods, trials, episodes, arena, sensor, settings, seed)
     agents = [(_name(method), method) for method in methods if not isinstance(method, str)]
+    known = [method if isinstance(method, str) else _name(method) for method in methods]
+    if reference is not None:
+        reference = _one_of("reference", reference if isinstance(reference, str) else _name(reference), known)
     jobs = checks.whole("jobs", jobs, 0, MOST_JOBS)
     out = None if out is None else checks.text("out", out)
     temporary = tempfile.TemporaryDirectory(prefix="xcscr-study-") if out is None else None
     folder = Path(temporary.name if temporary else out or "")
     try:
-        native = _native.run_study(text, agents, str(folder), jobs)
+        native = _native.run_study(text, agents, reference, str(folder), jobs)
     except BaseException:
         if temporary:
             temporary.cleanup()

@@ -96,6 +96,16 @@ impl Study {
         Ok(self)
     }
 
+    /// Sets the method, or the custom agent, that the report compares with each other one.
+    ///
+    /// # Errors
+    /// When the study has no method or agent of this name.
+    pub fn reference(mut self, name: &str) -> Result<Self, Error> {
+        let set = self.protocol.set_reference(name);
+        set.map_err(|fault| error::file(&self.protocol.name, fault))?;
+        Ok(self)
+    }
+
     /// Returns the protocol.
     pub fn protocol(&self) -> &Protocol {
         &self.protocol

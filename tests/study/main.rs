@@ -7,6 +7,7 @@ mod kit;
 
 mod desk;
 mod episodes;
+mod extension;
 mod late_files;
 mod own_agents;
 mod reports;

@@ -165,7 +165,7 @@ fn another_study_another_split_and_another_program_are_refused() {
         (
             "plan small.toml --seed 8 --tasks 4 --out split",
             73,
-            "split contains another study",
+            "split contains another study (`seed` is `8`, but `7` there)",
         ),
         ("task split 5", 2, ""),
         ("task nowhere 1", 66, ""),
@@ -187,7 +187,7 @@ fn another_study_another_split_and_another_program_are_refused() {
         (
             "\"tasks\": 4",
             "\"tasks\": 2",
-            "the number of tasks was changed",
+            "the number of tasks or an earlier plan was changed",
         ),
     ] {
         desk.write("split/study.json", &plan.replace(key, other));

@@ -23,6 +23,9 @@ pub(super) struct ChoiceArgs {
     /// Root seed of all trials.
     #[arg(long, value_name = "S", value_parser = choices::seed)]
     seed: Option<u64>,
+    /// Method that the report compares with each other one.
+    #[arg(long, value_name = "METHOD")]
+    reference: Option<String>,
     /// Arena to use instead of the study's.
     #[arg(long, value_parser = choices::arena())]
     arena: Option<ArenaKind>,
@@ -38,6 +41,7 @@ impl ChoiceArgs {
             trials: self.trials,
             episodes: self.episodes,
             seed: self.seed,
+            reference: self.reference.clone(),
             arena: self.arena,
             sets: self.set.clone(),
         };

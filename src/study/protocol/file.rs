@@ -48,6 +48,8 @@ pub(super) struct Document {
     #[serde(default = "Document::one")]
     pub seed: u64,
     #[serde(default)]
+    pub reference: Option<String>,
+    #[serde(default)]
     pub robot: Option<String>,
     #[serde(default)]
     pub settings: Table,

@@ -2,9 +2,10 @@
 
 use toml::Table;
 
+use super::agents::AgentArms;
 use super::file::{Document, NOTHING};
 use super::overrides::Overrides;
-use super::variants::{number_of_combinations, product, variants, with_entry};
+use super::variants::{Variation, number_of_combinations, product, variants, with_entry};
 use super::{Arm, MOST_ARMS, MOST_GENERATED, MOST_WORLDS, Protocol, StudyFile, Variant};
 use crate::Error;
 use crate::agent::Method;
@@ -31,7 +32,9 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Error
         trials: overrides.trials.unwrap_or(document.trials),
         episodes: overrides.episodes.unwrap_or(document.episodes),
         drives: document.drives,
+        reference: overrides.reference.clone().or(document.reference.clone()),
         arms: arms(file, &worlds, &afters, &arenas, overrides)?,
+        agent_arms: AgentArms(agent_arms(file, &worlds, &afters, &arenas, overrides)?),
         worlds,
         earlier,
     };
@@ -71,8 +74,7 @@ fn check_number(file: &StudyFile, places: usize) -> Result<(), Error> {
     Err(file.fault(fault))
 }
 
-/// Returns every combination, in the order of the file, worlds first. An arm's earlier world
-/// differs from its own.
+/// Returns every combination, in the order of the file, worlds first.
 fn arms(
     file: &StudyFile,
     worlds: &[Maze],
@@ -84,28 +86,68 @@ fn arms(
     let variants = variants(file, overrides)?;
     let mut arms = Vec::new();
     for (maze, &method) in product(worlds, &file.document.methods) {
-        let world = maze.name();
-        let base = settings(file, world, method, overrides)?;
         let afters = afters_of(file, method, afters)?;
-        for ((table, variant), after) in product(&variants, &afters) {
-            let settings = override_with(&base, &origin_of_variants(file), table)?;
-            let sensors = |&arena| {
-                file.sensors(world, arena)
-                    .into_iter()
-                    .map(move |s| (arena, s))
-            };
-            for (arena, sensor) in arenas.iter().flat_map(sensors) {
-                arms.push(Arm {
-                    world: world.to_owned(),
-                    method,
-                    arena,
-                    sensor,
-                    variant: with_after(variant, &file.document, after),
-                    after: after.clone(),
-                    settings: settings.clone(),
-                    agent: None,
-                });
-            }
+        let common = settings(file, maze.name(), method)?;
+        let own = override_with(&common, &file.origin, &file.method_settings(method)?)?;
+        let base = (method, Resolved::new(&own, &[], &overrides.sets)?.settings);
+        let variants = product(&variants, &afters);
+        arms.extend(arms_of(file, maze.name(), &base, variants, arenas)?);
+    }
+    Ok(arms)
+}
+
+/// Returns the arms of a custom agent.
+fn agent_arms(
+    file: &StudyFile,
+    worlds: &[Maze],
+    afters: &[Option<&Maze>],
+    arenas: &[ArenaKind],
+    overrides: &Overrides,
+) -> Result<Vec<Arm>, Error> {
+    // Its defaults are those of no method.
+    let method = Method::QLearning;
+    let variants = variants(file, overrides)?;
+    let afters = names_of(afters);
+    let mut arms = Vec::new();
+    for maze in worlds {
+        let common = settings(file, maze.name(), method)?;
+        let base = (
+            method,
+            Resolved::new(&common, &[], &overrides.sets)?.settings,
+        );
+        let variants = product(&variants, &afters);
+        arms.extend(arms_of(file, maze.name(), &base, variants, arenas)?);
+    }
+    Ok(arms)
+}
+
+/// Returns the arms of a method in a world. An arm's earlier world differs from its own.
+fn arms_of<'a>(
+    file: &StudyFile,
+    world: &str,
+    (method, base): &(Method, Settings),
+    variants: impl Iterator<Item = (&'a Variation, &'a Option<String>)>,
+    arenas: &[ArenaKind],
+) -> Result<Vec<Arm>, Error> {
+    let mut arms = Vec::new();
+    for ((table, variant), after) in variants {
+        let settings = override_with(base, &origin_of_variants(file), table)?;
+        let sensors = |&arena| {
+            file.sensors(world, arena)
+                .into_iter()
+                .map(move |s| (arena, s))
+        };
+        for (arena, sensor) in arenas.iter().flat_map(sensors) {
+            arms.push(Arm {
+                world: world.to_owned(),
+                method: *method,
+                arena,
+                sensor,
+                variant: with_after(variant, &file.document, after),
+                after: after.clone(),
+                settings: settings.clone(),
+                agent: None,
+            });
         }
     }
     arms.retain(|arm| arm.after.as_ref() != Some(&arm.world));
@@ -119,36 +161,33 @@ fn afters_of(
     method: Method,
     afters: &[Option<&Maze>],
 ) -> Result<Vec<Option<String>>, Error> {
-    if afters.is_empty() {
-        return Ok(vec![None]);
-    }
-    if !method.learns_rules() {
+    if !afters.is_empty() && !method.learns_rules() {
         let name = method.name();
         let fault = format!(
             "the method `{name}` learns no rules, but `after` transfers rules: remove one of them"
         );
         return Err(file.fault(fault));
     }
-    let name = |maze: &Option<&Maze>| maze.map(|maze| maze.name().to_owned());
-    Ok(afters.iter().map(name).collect())
+    Ok(names_of(afters))
 }
 
-/// Resolves the settings of a method in a world: default < robot < study < world < method < command
-/// line.
-fn settings(
-    file: &StudyFile,
-    world: &str,
-    method: Method,
-    overrides: &Overrides,
-) -> Result<Settings, Error> {
+fn names_of(afters: &[Option<&Maze>]) -> Vec<Option<String>> {
+    let name = |maze: &Option<&Maze>| maze.map(|maze| maze.name().to_owned());
+    match afters {
+        [] => vec![None],
+        afters => afters.iter().map(name).collect(),
+    }
+}
+
+/// Resolves the settings of all methods in a world: default < robot < study < world. Those of one
+/// method and the command line override them.
+fn settings(file: &StudyFile, world: &str, method: Method) -> Result<Settings, Error> {
     let common = override_with(
         &file.robot_settings(method)?,
         &file.origin,
         &file.document.settings,
     )?;
-    let there = override_with(&common, &file.origin, &file.world_settings(world))?;
-    let own = override_with(&there, &file.origin, &file.method_settings(method)?)?;
-    Ok(Resolved::new(&own, &[], &overrides.sets)?.settings)
+    override_with(&common, &file.origin, &file.world_settings(world))
 }
 
 fn override_with(base: &Settings, origin: &str, table: &Table) -> Result<Settings, Error> {

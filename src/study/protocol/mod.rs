@@ -1,5 +1,7 @@
 //! The protocol of a study, which is fixed before its first trial.
 
+mod agents;
+mod changes;
 mod file;
 mod freeze;
 mod keys;
@@ -13,15 +15,15 @@ use std::fmt;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::value::RawValue;
 
+use agents::{AgentArms, is_plain_name};
 pub(super) use file::NOTHING;
 pub use file::StudyFile;
 pub use keys::StudyKey;
 pub use overrides::Overrides;
 
-use super::error;
-use crate::Error;
 use crate::agent::Method;
 use crate::arena::ArenaKind;
+use crate::Error;
 use crate::sensor::Sensor;
 use crate::trial::{Config, Plan, Settings};
 use crate::world::Maze;
@@ -124,6 +126,9 @@ pub struct Protocol {
     /// without learning or exploration. 0 for none.
     #[serde(default, skip_serializing_if = "is_none")]
     pub drives: u32,
+    /// The method that reports compare with each other one, if one is chosen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference: Option<String>,
     /// The worlds, which have unique names.
     #[serde(serialize_with = "write_mazes", deserialize_with = "read_mazes")]
     pub worlds: Vec<Maze>,
@@ -132,6 +137,9 @@ pub struct Protocol {
     pub earlier: Vec<Maze>,
     /// The arms that are compared.
     pub arms: Vec<Arm>,
+    /// The arms of a custom agent.
+    #[serde(skip)]
+    agent_arms: AgentArms,
 }
 
 impl Protocol {
@@ -141,38 +149,6 @@ impl Protocol {
     /// When a world, a setting or a number is invalid.
     pub fn new(file: &StudyFile, overrides: &Overrides) -> Result<Self, Error> {
         freeze::freeze(file, overrides)
-    }
-
-    /// Adds a custom agent in every combination in which the study has a method.
-    pub(super) fn add_agent(&mut self, name: &str) -> Result<(), Error> {
-        let origin = self.name.clone();
-        let refusal = |fault: String| Err(error::file(&origin, fault));
-        if !is_plain_name(name) {
-            return refusal(format!(
-                "invalid agent name `{name}`: use 1 to 40 lower-case letters, digits and hyphens"
-            ));
-        }
-        let is_taken = self.arms.iter().any(|arm| arm.method_name() == name);
-        if is_taken || Method::ALL.iter().any(|method| method.name() == name) {
-            return refusal(format!("`{name}` is the name of another method"));
-        }
-        for at in (0..self.arms.len()).rev() {
-            let arm = &self.arms[at];
-            // Insert after the last method of the same world, arena, sensor and variant.
-            if !self.arms[at + 1..]
-                .iter()
-                .any(|other| other.differs_only_in_method(arm))
-            {
-                let agent = Some(name.to_owned());
-                let own = Arm {
-                    agent,
-                    ..arm.clone()
-                };
-                self.arms.insert(at + 1, own);
-            }
-        }
-        self.check_numbers()
-            .or_else(|fault| refusal(fault.to_string()))
     }
 
     /// Returns the id of the study: a checksum of everything in the protocol.
@@ -272,6 +248,7 @@ impl Protocol {
         };
         self.check_numbers().map_err(|fault| fault.to_string())?;
         self.check_names()?;
+        self.check_reference()?;
         if self.is_empty() || !self.arms.iter().all(known) {
             return Err(
                 "it has no trials, or trials in worlds that it does not contain".to_owned(),
@@ -337,13 +314,6 @@ impl Protocol {
             )),
         }
     }
-}
-
-/// Returns true for a valid name of a custom agent or of a variant. It is printed in tables, pages
-/// and terminals.
-fn is_plain_name(name: &str) -> bool {
-    let is_plain = |letter: char| matches!(letter, 'a'..='z' | '0'..='9' | '-');
-    (1..=40).contains(&name.len()) && name.chars().all(is_plain)
 }
 
 fn is_none(number: &u32) -> bool {

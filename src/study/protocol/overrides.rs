@@ -11,6 +11,8 @@ pub struct Overrides {
     pub episodes: Option<u32>,
     /// Root seed of all trials.
     pub seed: Option<u64>,
+    /// The method that the report compares with each other one.
+    pub reference: Option<String>,
     /// The arena, which replaces the arenas of the study.
     pub arena: Option<ArenaKind>,
     /// Settings as `section.key=value`, which override all others.

@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::results::shown;
-use crate::agent::Method;
 use crate::page::Table;
 use crate::study::analysis::summary::{ArmRecords, by_steps, by_success};
 use crate::study::protocol::{Arm, NOTHING};
@@ -63,13 +62,13 @@ impl Comparison {
         self.steps_holm_p < ALPHA
     }
 
-    /// Returns all comparisons in each world. `xcscr-plus` (or else `xcscr`, or the last method) is
-    /// compared with each other method. Each value of `after` or `without` is compared with
+    /// Returns all comparisons in each world. The method `reference` is compared with each other
+    /// method. Each value of `after` or `without` is compared with
     /// nothing. Each value of a swept setting is compared with the first one. The arms of a comparison differ in
     /// nothing else.
-    pub fn all(arms: &[ArmRecords<'_>]) -> Vec<Self> {
+    pub fn all(arms: &[ArmRecords<'_>], reference: &str) -> Vec<Self> {
         let mut families: Vec<(String, Vec<Self>)> = Vec::new();
-        for pair in pairs(arms) {
+        for pair in pairs(arms, reference) {
             let comparison = Self::new(&pair);
             match families
                 .iter_mut()
@@ -145,8 +144,8 @@ impl<'a> Pair<'a> {
 }
 
 /// Returns all pairs of arms to compare.
-fn pairs<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
-    let mut pairs = pairs_of_methods(arms);
+fn pairs<'a>(arms: &'a [ArmRecords<'a>], reference: &str) -> Vec<Pair<'a>> {
+    let mut pairs = pairs_of_methods(arms, reference);
     pairs.extend(
         AGAINST_NOTHING
             .iter()
@@ -156,14 +155,13 @@ fn pairs<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     pairs
 }
 
-/// Pairs the first of the methods with each other one, in each world. A family spans all worlds and
+/// Pairs the reference method with each other one, in each world. A family spans all worlds and
 /// methods.
-fn pairs_of_methods<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
-    let best = best_method(arms);
+fn pairs_of_methods<'a>(arms: &'a [ArmRecords<'a>], reference: &str) -> Vec<Pair<'a>> {
     let pair = |other: &'a ArmRecords<'a>| {
         let setting = setting(other.arm, "");
         let one = arms.iter().find(|one| {
-            Some(one.arm.method_name()) == best
+            one.arm.method_name() == reference
                 && one.arm.world == other.arm.world
                 && self::setting(one.arm, "") == setting
         })?;
@@ -233,14 +231,6 @@ fn value_of(arm: &Arm, key: &str) -> String {
         true => format!("{key}=default"),
         false => variant.to_string(),
     }
-}
-
-/// Returns the method that is compared with all others.
-fn best_method<'a>(arms: &[ArmRecords<'a>]) -> Option<&'a str> {
-    let methods: Vec<&str> = arms.iter().map(|one| one.arm.method_name()).collect();
-    let ours = [Method::XcscrPlus, Method::Xcscr].map(Method::name);
-    let best = ours.into_iter().find(|method| methods.contains(method));
-    best.or(methods.last().copied())
 }
 
 fn value<'a>(arm: &'a Arm, key: &str) -> Option<&'a str> {

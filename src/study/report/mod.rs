@@ -63,7 +63,7 @@ impl Report {
             episodes: protocol.episodes,
             missing,
             arms: ArmSummary::all(folder),
-            comparisons: Comparison::all(&tested),
+            comparisons: Comparison::all(&tested, protocol.reference_method()),
             protocol: protocol.clone(),
             pictures: Vec::new(),
         }

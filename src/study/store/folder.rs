@@ -50,8 +50,10 @@ impl StudyFolder {
             force: false,
             _lock: None,
         };
+        // An earlier plan has other trials in a task.
+        let is_split = folder.planned.earlier().is_empty();
         for (other, path) in folder.planned.journals()? {
-            if task.is_none_or(|task| task == other) {
+            if task.is_none_or(|task| task == other || !is_split) {
                 folder.read_journal(&path)?;
             }
         }
@@ -59,11 +61,17 @@ impl StudyFolder {
     }
 
     fn read_journal(&mut self, path: &Path) -> Result<(), Error> {
-        let plan = self.planned.plan().to_owned();
-        journal::read(path, &plan, &mut |record| {
-            record
-                .check(self.protocol())
-                .map_err(error::damaged(path))?;
+        let planned = self.planned.clone();
+        let earlier = planned.earlier();
+        let mut plans = vec![planned.plan()];
+        plans.extend(earlier.iter().map(|earlier| &earlier.plan[..]));
+        journal::read(path, &plans, &mut |plan, mut record| {
+            let numbered = match plan {
+                0 => Ok(()),
+                plan => earlier[plan - 1].renumber(&mut record, planned.protocol()),
+            };
+            let checked = numbered.and_then(|()| record.check(planned.protocol()));
+            checked.map_err(error::damaged(path))?;
             self.insert(path, &record)
         })
     }
@@ -95,14 +103,31 @@ impl StudyFolder {
         })
     }
 
-    /// Creates or reopens the folder of a study, and locks it for writing.
+    /// Creates or reopens the folder of a study, and locks it for writing. Adds the trials, methods and
+    /// worlds that the study in the folder lacks.
     ///
     /// # Errors
     /// When the folder is in use or contains something else, or an error of the file system.
     pub(in crate::study) fn open(path: &Path, protocol: &Protocol) -> Result<Self, Error> {
-        let tasks = (!PlannedStudy::is_in(path)).then_some(1);
+        let is_new = !PlannedStudy::is_in(path);
+        if !is_new {
+            Self::extend(path, protocol)?;
+        }
+        let tasks = is_new.then_some(1);
         PlannedStudy::in_folder(path, protocol.clone(), tasks)?.make()?;
         Self::read_locked(path)
+    }
+
+    /// Replaces the plan in a folder by one that adds trials, methods or worlds, and removes the files
+    /// generated from the earlier trials. The journals stay as they are.
+    fn extend(path: &Path, protocol: &Protocol) -> Result<(), Error> {
+        let found = PlannedStudy::read(path)?;
+        let Some(extended) = found.extended(protocol) else {
+            return Ok(());
+        };
+        let _lock = lock(path)?;
+        Self::remove_outputs(path)?;
+        extended.write(true)
     }
 
     /// Replaces another study in a folder by this one: removes its trials and the files generated
@@ -115,7 +140,7 @@ impl StudyFolder {
             return Ok(());
         }
         let found = PlannedStudy::read(path)?;
-        if found.plan() == protocol.id() {
+        if found.plan() == protocol.id() || found.extended(protocol).is_some() {
             return Ok(());
         }
         let _lock = lock(path)?;

@@ -88,34 +88,36 @@ pub fn is_journal(path: &Path) -> Result<bool, Error> {
     Ok(MAGIC.as_bytes().starts_with(&first))
 }
 
-/// Calls `each` with the records of a journal, in the order of its lines. An incomplete last line is
-/// ignored.
+/// Calls `each` with the records of a journal, in the order of its lines, and with the place of its
+/// plan in `plans`. An incomplete last line is ignored.
 ///
 /// # Errors
-/// When the journal belongs to another plan, or a line before the last is
+/// When the journal belongs to none of the plans, or a line before the last is
 /// bad; or an error of `each`.
 pub fn read(
     path: &Path,
-    plan: &str,
-    each: &mut dyn FnMut(TrialRecord) -> Result<(), Error>,
+    plans: &[&str],
+    each: &mut dyn FnMut(usize, TrialRecord) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let file = disk::open(path).map_err(error::io(path))?;
     let mut lines = BufReader::new(file);
     let mut next = || next_line(&mut lines).map_err(error::io(path));
-    let header = header(plan);
+    let headers: Vec<String> = plans.iter().map(|plan| header(plan)).collect();
     let first = next()?;
-    if first != header.as_bytes() {
+    let own = headers.iter().position(|own| own.as_bytes() == first);
+    let Some(plan) = own else {
         // A half-written header is the beginning of a new journal.
-        return match header.as_bytes().starts_with(&first) {
+        let is_begun = headers.iter().any(|own| own.as_bytes().starts_with(&first));
+        return match is_begun {
             true => Ok(()),
             false => Err(error::damaged(path)(foreign(&first))),
         };
-    }
+    };
     for number in 2.. {
         let line = next()?;
         match parse(&line) {
             _ if line.is_empty() => break,
-            Some(record) => each(record)?,
+            Some(record) => each(plan, record)?,
             None if next()?.is_empty() => break,
             None => return Err(error::damaged(path)(damaged_line(number))),
         }
@@ -176,7 +178,7 @@ mod tests {
 
     fn contents(path: &Path, plan: &str) -> Result<Vec<TrialRecord>, Error> {
         let mut records = Vec::new();
-        read(path, plan, &mut |record| {
+        read(path, &[plan], &mut |_, record| {
             records.push(record);
             Ok(())
         })?;

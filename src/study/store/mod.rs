@@ -6,7 +6,8 @@
 //! trials whose results are not visible yet, and gets the same results. A lock only protects the
 //! tables and reports that are generated from all trials.
 
-pub(super) mod folder;
+pub(super) mod earlier;
+mod folder;
 mod journal;
 pub(super) mod outputs;
 pub(super) mod plan;

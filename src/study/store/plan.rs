@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
+use super::earlier::EarlierPlan;
 use super::journal::{self, Journal};
 use crate::disk;
 use crate::study::error;
@@ -31,14 +32,20 @@ struct PlanFile {
     /// The checksum of the study's text.
     plan: String,
     tasks: usize,
-    /// The checksum of the plan and the number of tasks.
+    /// The checksum of the plan, the number of tasks and the earlier plans.
     checksum: String,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    earlier: Vec<EarlierPlan>,
     study: Box<RawValue>,
 }
 
-/// Protects the number of tasks, which is not part of the study's id.
-fn checksum(plan: &str, tasks: usize) -> String {
-    id_of(&format!("{plan} in {tasks} tasks"))
+/// Protects the number of tasks and the earlier plans, which are not part of the study's id.
+fn checksum(plan: &str, tasks: usize, earlier: &[EarlierPlan]) -> String {
+    let earlier = match earlier {
+        [] => String::new(),
+        some => serde_json::to_string(some).expect("plain data becomes JSON"),
+    };
+    id_of(&format!("{plan} in {tasks} tasks{earlier}"))
 }
 
 /// A frozen study that is split into tasks, for any number of processes and machines. Task `i` of
@@ -51,6 +58,7 @@ pub struct PlannedStudy {
     /// another id.
     plan: String,
     tasks: usize,
+    earlier: Vec<EarlierPlan>,
 }
 
 impl PlannedStudy {
@@ -66,7 +74,28 @@ impl PlannedStudy {
             plan: protocol.id(),
             protocol,
             tasks,
+            earlier: Vec::new(),
         })
+    }
+
+    /// Returns this study with the trials, methods and worlds that `protocol` adds, and with its
+    /// reference method. `None` if `protocol` does not have all trials of this study, or is the same.
+    pub(super) fn extended(&self, protocol: &Protocol) -> Option<Self> {
+        let places = protocol.extends(&self.protocol)?;
+        let mut earlier: Vec<_> = self.earlier.iter().map(|one| one.moved(&places)).collect();
+        earlier.push(EarlierPlan::new(&self.plan, &self.protocol, &places));
+        Some(Self {
+            path: self.path.clone(),
+            plan: protocol.id(),
+            protocol: protocol.clone(),
+            tasks: self.tasks,
+            earlier,
+        })
+    }
+
+    /// Returns the earlier plans, to which trials, methods or worlds were added.
+    pub(super) fn earlier(&self) -> &[EarlierPlan] {
+        &self.earlier
     }
 
     /// Returns the study as planned in its folder, or a new one if the folder has none. Without
@@ -88,9 +117,9 @@ impl PlannedStudy {
         let found = Self::read(path)?;
         match (protocol.id(), tasks.unwrap_or(found.tasks)) {
             (wanted, _) if wanted != found.plan => Err(ErrorKind::CannotCreate.error(format!(
-                "{folder} contains another study (plan {}, but this one is {wanted}): choose another \
-                 folder with `--out`, or replace that study with `study run --force`",
-                found.plan
+                "{folder} contains another study ({}): choose another folder with `--out`, or replace \
+                 that study with `study run --force`",
+                protocol.differences(&found.protocol)
             ))),
             (_, wanted) if wanted != found.tasks => Err(ErrorKind::CannotCreate.error(format!(
                 "{folder} is split into {} tasks, not {wanted}: leave out `--tasks`, or choose \
@@ -119,13 +148,7 @@ impl PlannedStudy {
             }
             _ => error::io(&file)(cause),
         })?;
-        let (protocol, plan, tasks) = parse(&text).map_err(error::damaged(&file))?;
-        Ok(Self {
-            path: path.to_owned(),
-            protocol,
-            plan,
-            tasks,
-        })
+        parse(path, &text).map_err(error::damaged(&file))
     }
 
     /// Creates the folder, unless it exists.
@@ -149,7 +172,8 @@ impl PlannedStudy {
         let file = PlanFile {
             plan: self.plan.clone(),
             tasks: self.tasks,
-            checksum: checksum(&self.plan, self.tasks),
+            checksum: checksum(&self.plan, self.tasks, &self.earlier),
+            earlier: self.earlier.clone(),
             study: RawValue::from_string(text).expect("JSON is valid JSON"),
         };
         let path = self.path.join(PLAN);
@@ -231,19 +255,29 @@ impl PlannedStudy {
     }
 }
 
-fn parse(text: &[u8]) -> Result<(Protocol, String, usize), String> {
+fn parse(path: &Path, text: &[u8]) -> Result<PlannedStudy, String> {
     let file: PlanFile = serde_json::from_slice(text).map_err(|fault| fault.to_string())?;
     if id_of(file.study.get()) != file.plan {
         return Err("it was changed after it was frozen".to_owned());
     }
-    if file.checksum != checksum(&file.plan, file.tasks) {
-        return Err("the number of tasks was changed after it was frozen".to_owned());
+    if file.checksum != checksum(&file.plan, file.tasks, &file.earlier) {
+        return Err(
+            "the number of tasks or an earlier plan was changed after it was frozen".to_owned(),
+        );
     }
     let protocol = serde_json::from_str::<Protocol>(file.study.get());
     let protocol = protocol.map_err(|fault| fault.to_string())?;
     protocol.check()?;
     within("tasks", file.tasks, 1..=protocol.len()).map_err(|fault| fault.to_string())?;
-    Ok((protocol, file.plan, file.tasks))
+    let mut earlier = file.earlier.iter();
+    earlier.try_for_each(|earlier| earlier.check(&protocol))?;
+    Ok(PlannedStudy {
+        path: path.to_owned(),
+        protocol,
+        plan: file.plan,
+        tasks: file.tasks,
+        earlier: file.earlier,
+    })
 }
 
 /// A folder without a plan may contain files that are created before the plan, and nothing else.

@@ -1,0 +1,201 @@
+//! The reference method of a protocol, and its differences from another protocol.
+
+use toml::Table;
+
+use super::{Arm, Protocol, named};
+use crate::agent::Method;
+use crate::trial::flatten;
+use crate::world::Maze;
+
+/// Maximum number of differences that a message lists.
+const MOST_LISTED: usize = 3;
+
+impl Protocol {
+    /// Sets the method that reports compare with each other one.
+    ///
+    /// # Errors
+    /// Describes the fault if the study has no method or agent of this name.
+    pub(in crate::study) fn set_reference(&mut self, name: &str) -> Result<(), String> {
+        self.reference = Some(name.to_owned());
+        self.check_reference()
+    }
+
+    /// Checks that the study has its reference method.
+    pub(super) fn check_reference(&self) -> Result<(), String> {
+        let Some(name) = &self.reference else {
+            return Ok(());
+        };
+        let methods = distinct(self.arms.iter().map(|arm| arm.method_name().to_owned()));
+        match methods.contains(name) {
+            true => Ok(()),
+            false => Err(format!(
+                "`reference` is `{name}`, which is not a method of this study: give one of {}",
+                methods.join(", ")
+            )),
+        }
+    }
+
+    /// Returns the method that reports compare with each other one: the chosen reference, or else
+    /// `xcscr-plus`, `xcscr`, or the last method.
+    pub fn reference_method(&self) -> &str {
+        let has = |name: &&str| self.arms.iter().any(|arm| arm.method_name() == *name);
+        let ours = [Method::XcscrPlus, Method::Xcscr].map(Method::name);
+        let last = self.arms.last().map_or("", Arm::method_name);
+        let usual = || ours.into_iter().find(has).unwrap_or(last);
+        self.reference.as_deref().unwrap_or_else(usual)
+    }
+
+    /// Returns the place of each arm of `found` in this protocol, if this protocol has all its trials
+    /// and adds others, or has another reference method.
+    pub(in crate::study) fn extends(&self, found: &Self) -> Option<Vec<usize>> {
+        let is_larger = self.trials >= found.trials && self != found;
+        let shared = |one: &Self| {
+            (
+                one.version.clone(),
+                one.name.clone(),
+                one.seed,
+                one.episodes,
+                one.drives,
+            )
+        };
+        let has = |all: &[Maze], maze: &Maze| named(all, maze.name()) == Some(maze);
+        let has_worlds = found.worlds.iter().all(|maze| has(&self.worlds, maze))
+            && found.earlier.iter().all(|maze| has(&self.earlier, maze));
+        let place = |arm: &Arm| self.arms.iter().position(|own| own == arm);
+        let places = found.arms.iter().map(place).collect::<Option<Vec<_>>>();
+        places.filter(|_| is_larger && has_worlds && shared(self) == shared(found))
+    }
+
+    /// Describes the first differences from the protocol that was found in a folder.
+    pub(in crate::study) fn differences(&self, found: &Self) -> String {
+        let mut differences = self.different_values(found);
+        differences.extend(self.different_world(found));
+        differences.extend(self.different_setting(found));
+        let more = differences.len().saturating_sub(MOST_LISTED);
+        differences.truncate(MOST_LISTED);
+        let more = match more {
+            0 => String::new(),
+            more => format!(", and {more} more"),
+        };
+        format!("{}{more}", differences.join(", "))
+    }
+
+    /// Describes the numbers and lists that differ.
+    fn different_values(&self, found: &Self) -> Vec<String> {
+        let list = |one: &Self, name: fn(&Arm) -> String| {
+            distinct(one.arms.iter().map(name).filter(|name| !name.is_empty())).join(" ")
+        };
+        let values = |one: &Self| {
+            [
+                ("version", one.version.clone()),
+                ("name", one.name.clone()),
+                ("seed", one.seed.to_string()),
+                ("trials", one.trials.to_string()),
+                ("episodes", one.episodes.to_string()),
+                ("drives", one.drives.to_string()),
+                ("reference", one.reference_method().to_owned()),
+                ("worlds", list(one, |arm| arm.world.clone())),
+                ("methods", list(one, |arm| arm.method_name().to_owned())),
+                ("arenas", list(one, |arm| arm.arena.name().to_owned())),
+                ("sensors", list(one, |arm| arm.sensor.name().to_owned())),
+                ("sweep", list(one, |arm| arm.variant.to_string())),
+            ]
+        };
+        let pairs = values(self).into_iter().zip(values(found));
+        pairs
+            .filter(|((_, here), (_, there))| here != there)
+            .map(|((key, here), (_, there))| format!("`{key}` is `{here}`, but `{there}` there"))
+            .collect()
+    }
+
+    /// Describes a world of the same name with other contents.
+    fn different_world(&self, found: &Self) -> Option<String> {
+        let pairs = [
+            (&self.worlds, &found.worlds),
+            (&self.earlier, &found.earlier),
+        ];
+        let mut changed = pairs.into_iter().flat_map(|(here, there)| {
+            let is_changed =
+                |maze: &&Maze| named(there, maze.name()).is_some_and(|other| other != *maze);
+            here.iter().filter(is_changed)
+        });
+        let maze = changed.next()?;
+        Some(format!("the world `{}` was changed", maze.name()))
+    }
+
+    /// Describes the first setting that differs in arms of the same name.
+    fn different_setting(&self, found: &Self) -> Option<String> {
+        let settings =
+            |arm: &Arm| flatten(Table::try_from(&arm.settings).expect("settings are plain data"));
+        let of_arm = |arm: &Arm| {
+            let other = found.arms.iter().find(|other| other.name() == arm.name())?;
+            let mut pairs = settings(arm).into_iter().zip(settings(other));
+            let ((key, here), (_, there)) = pairs.find(|(here, there)| here != there)?;
+            let name = arm.name();
+            Some(format!("`{key}` is {here} in {name}, but {there} there"))
+        };
+        self.arms.iter().find_map(of_arm)
+    }
+}
+
+/// Returns each item once, in the order of first occurrence.
+fn distinct(items: impl Iterator<Item = String>) -> Vec<String> {
+    let mut list = Vec::new();
+    for item in items {
+        if !list.contains(&item) {
+            list.push(item);
+        }
+    }
+    list
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::study::protocol::frozen;
+
+    const SMALL: &str =
+        "name = 's'\nworlds = ['maze4']\nmethods = ['xcs', 'xcscr']\ntrials = 2\nepisodes = 3\n";
+
+    #[test]
+    fn the_reference_is_the_chosen_method_and_must_be_in_the_study() {
+        assert_eq!(frozen(SMALL, &[]).unwrap().reference_method(), "xcscr");
+        let chosen = |name: &str| frozen(&format!("{SMALL}reference = '{name}'\n"), &[]);
+        assert_eq!(chosen("xcs").unwrap().reference_method(), "xcs");
+        let fault = chosen("r-max").unwrap_err().to_string();
+        assert!(fault.contains("give one of xcs, xcscr"), "{fault}");
+    }
+
+    #[test]
+    fn a_study_extends_another_that_has_some_of_its_trials_and_differs_in_nothing_else() {
+        let found = frozen(SMALL, &[]).unwrap();
+        let changed = |from: &str, to: &str| frozen(&SMALL.replace(from, to), &[]).unwrap();
+        for (from, to, places) in [
+            ("trials = 2", "trials = 3", Some(vec![0, 1])),
+            ("'xcs', ", "'xcs', 'r-max', ", Some(vec![0, 2])),
+            ("'maze4'", "'maze5', 'maze4'", Some(vec![2, 3])),
+            ("name", "reference = 'xcs'\nname", Some(vec![0, 1])),
+            ("trials = 2", "trials = 1", None),
+            ("'xcs', ", "", None),
+            ("episodes = 3", "episodes = 4", None),
+            ("name", "seed = 2\nname", None),
+            ("", "", None),
+        ] {
+            assert_eq!(changed(from, to).extends(&found), places, "{from} to {to}");
+        }
+    }
+
+    #[test]
+    fn differences_are_named() {
+        let found = frozen(SMALL, &[]).unwrap();
+        let said = |text: &str, sets: &[&str]| frozen(text, sets).unwrap().differences(&found);
+        let episodes = said(&SMALL.replace("episodes = 3", "episodes = 4"), &[]);
+        assert_eq!(episodes, "`episodes` is `4`, but `3` there");
+        let beta = said(SMALL, &["xcs.beta=0.3"]);
+        let words = "`xcs.beta` is 0.3 in maze4 xcs grid neighbours, but 0.2 there";
+        assert_eq!(beta, words);
+        let mut world = found.clone();
+        let text = include_str!("../../../worlds/maze5.json").replace("\"maze5\"", "\"maze4\"");
+        world.worlds = vec![crate::world::Maze::from_json(text.as_bytes(), "maze4").unwrap()];
+        assert_eq!(world.differences(&found), "the world `maze4` was changed");
+    }
+}

@@ -1,0 +1,79 @@
+//! Trials, methods and worlds are added to a study, and its reference method is chosen.
+
+use std::fs;
+
+use serde_json::Value;
+
+use super::desk::Desk;
+
+/// The files of a study except its plan and its journals.
+fn results(desk: &Desk, study: &str) -> Vec<(String, Vec<u8>)> {
+    let entries = fs::read_dir(desk.path(study)).unwrap();
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let is_result = |path: &std::path::PathBuf| path.is_file() && !path.ends_with("study.json");
+    let file = |path: std::path::PathBuf| {
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        (name, fs::read(&path).unwrap())
+    };
+    let mut files: Vec<_> = paths.filter(is_result).map(file).collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn an_extended_study_is_as_if_it_had_been_run_at_once_and_repeats_no_trial() {
+    let desk = Desk::new();
+    let small = desk.read("small.toml");
+    let part = small.replace("\"maze4\", ", "").replace("\"xcs\", ", "");
+    desk.write("part.toml", &part);
+    desk.done("run part.toml --trials 2 --out a --quiet");
+    assert_eq!(desk.trials("a").len(), 2);
+    desk.done("run part.toml --trials 3 --out a --quiet");
+    assert_eq!(desk.trials("a").len(), 3);
+    desk.done("run small.toml --out a --quiet");
+    assert_eq!(desk.trials("a").len(), 16);
+    desk.done("run small.toml --out b --quiet");
+    assert_eq!(results(&desk, "a"), results(&desk, "b"));
+    desk.done("report a");
+    desk.done("episodes a");
+    let fewer = "run small.toml --trials 3 --out a";
+    desk.refused(fewer, 73, "another study (`trials` is `3`, but `4` there)");
+    let plan = desk.read("a/study.json");
+    let forged = plan.replacen("\"trials\": 2", "\"trials\": 1", 1);
+    desk.write("a/study.json", &forged);
+    desk.refused("status a", 65, "an earlier plan was changed");
+}
+
+#[test]
+fn a_study_in_tasks_is_extended_too() {
+    let desk = Desk::new();
+    desk.done("plan small.toml --trials 2 --tasks 3 --out a");
+    desk.done("task a 2 --quiet");
+    desk.done("run small.toml --out a --quiet");
+    desk.done("task a 2 --quiet");
+    assert_eq!(desk.trials("a").len(), 16);
+    desk.done("merge a");
+    desk.assert_whole("a/result");
+}
+
+#[test]
+fn a_chosen_reference_is_compared_with_each_other_method_and_no_trial_is_repeated() {
+    let desk = Desk::new();
+    let compared = |study: &str| {
+        let report = desk.json(&format!("report {study} --json"));
+        let comparisons = report["comparisons"].as_array().unwrap().clone();
+        let word = |one: &Value, key: &str| one[key].as_str().unwrap().to_owned();
+        let pair = |one: &Value| (word(one, "method"), word(one, "against"));
+        let mut pairs: Vec<_> = comparisons.iter().map(pair).collect();
+        pairs.dedup();
+        pairs
+    };
+    let pair = |one: &str, other: &str| vec![(one.to_owned(), other.to_owned())];
+    desk.done("run small.toml --out a --quiet");
+    assert_eq!(compared("a"), pair("xcscr", "xcs"));
+    desk.done("run small.toml --reference xcs --out a --quiet");
+    assert_eq!(compared("a"), pair("xcs", "xcscr"));
+    assert_eq!(desk.trials("a").len(), 16);
+    let unknown = "run small.toml --reference r-max --out b";
+    desk.refused(unknown, 65, "give one of xcs, xcscr");
+}
