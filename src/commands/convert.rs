@@ -15,7 +15,7 @@ use super::results::Results;
 /// Arguments of `world convert`.
 #[derive(Debug, clap::Args)]
 pub struct ConvertArgs {
-    /// The map (.yaml, next to its PGM or PNG image) or the world file (.json) to convert.
+    /// The map (.yaml, next to its image) or the world file (.json) to convert.
     input: PathBuf,
     /// The world file (.json) or the map (.yaml, with its image next to it) to write.
     #[arg(short, long, value_name = "FILE")]

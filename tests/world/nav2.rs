@@ -52,24 +52,95 @@ fn wide(level: u16, bits: u8) -> u16 {
     (u32::from(level) * 65535 / ((1 << bits) - 1)) as u16
 }
 
-fn pgm(plain: bool, most: u16, stream: &mut Stream) -> Image {
+/// An image of Netpbm: PBM, PGM or PPM.
+fn netpbm(kind: u8, most: u16, stream: &mut Stream) -> Image {
+    let is_plain = kind <= 3;
+    let channels = if matches!(kind, 3 | 6) { 3 } else { 1 };
+    let is_bitmap = matches!(kind, 1 | 4);
     let draw = |_| stream.below(usize::from(most) + 1) as u16;
-    let levels: Vec<u16> = (0..SIDE * SIDE).map(draw).collect();
-    let magic = if plain { "P2" } else { "P5" };
-    let mut bytes = format!("{magic}\n# drawn\n{SIDE} {SIDE}\n{most}\n").into_bytes();
-    for &level in &levels {
-        match (plain, most) {
-            (true, _) => bytes.extend(format!("{level}\n").bytes()),
-            (false, 0..=255) => bytes.push(level as u8),
-            (false, _) => bytes.extend(level.to_be_bytes()),
+    let levels: Vec<u16> = (0..channels * SIDE * SIDE).map(draw).collect();
+    let mut bytes = format!("P{kind}\n# drawn\n{SIDE} {SIDE}\n").into_bytes();
+    if !is_bitmap {
+        bytes.extend(format!("{most}\n").bytes());
+    }
+    for (at, &level) in levels.iter().enumerate() {
+        match (kind, most) {
+            // A bit is black if it is set.
+            (1, _) => bytes.push(b'1' - level as u8),
+            (4, _) if at % 8 == 0 => bytes.push((1 - level as u8) << 7),
+            (4, _) => *bytes.last_mut().unwrap() |= (1 - level as u8) << (7 - at % 8),
+            _ if is_plain => bytes.extend(format!("{level}\n").bytes()),
+            (_, 0..=255) => bytes.push(level as u8),
+            _ => bytes.extend(level.to_be_bytes()),
         }
     }
     let full = |level: u16| (f64::from(level) * 65535.0 / f64::from(most)).round() as u16;
-    let pixels = levels.iter().map(|&level| ([full(level); 3], None));
+    let pixel = |levels: &[u16]| [levels[0], levels[channels / 2], levels[channels - 1]].map(full);
+    let pixels = levels.chunks(channels).map(|levels| (pixel(levels), None));
     Image {
-        what: format!("PGM, plain {plain}, up to {most}"),
+        what: format!("P{kind}, up to {most}"),
         bytes,
         pixels: pixels.collect(),
+    }
+}
+
+/// A BMP of 24 bits a pixel, or of numbers of so many bits in a palette; from the lower row upward,
+/// each row filled up to four bytes.
+fn bmp(bits: u16, stream: &mut Stream) -> Image {
+    const WIDTH: usize = SIDE - 3;
+    let colours = if bits == 24 { 0 } else { 1_usize << bits };
+    let mut draw = |below: usize| stream.below(below) as u8;
+    let palette: Vec<[u8; 3]> = (0..colours).map(|_| [0; 3].map(|_| draw(256))).collect();
+    let mut rows = Vec::new();
+    let mut pixels = vec![([0; 3], None); SIDE * SIDE];
+    for row in (0..SIDE).rev() {
+        let mut packed = vec![0; (WIDTH * usize::from(bits)).div_ceil(32) * 4];
+        for col in 0..WIDTH {
+            let [red, green, blue] = match bits {
+                24 => [0; 3].map(|_| draw(256)),
+                _ => {
+                    let number = draw(colours);
+                    let per_byte = 8 / usize::from(bits);
+                    let shift = 8 - usize::from(bits) * (col % per_byte + 1);
+                    packed[col / per_byte] |= number << shift;
+                    palette[usize::from(number)]
+                }
+            };
+            if bits == 24 {
+                packed[3 * col..3 * col + 3].copy_from_slice(&[blue, green, red]);
+            }
+            pixels[row * SIDE + col].0 = [red, green, blue].map(|level| u16::from(level) * 257);
+        }
+        rows.extend(packed);
+    }
+    let start = 54 + 4 * colours as u32;
+    let mut bytes = b"BM".to_vec();
+    for number in [
+        start + rows.len() as u32,
+        0,
+        start,
+        40,
+        WIDTH as u32,
+        SIDE as u32,
+    ] {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes.extend([1, bits].map(u16::to_le_bytes).concat());
+    for number in [0, 0, 0, 0, colours as u32, 0] {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes.extend(
+        palette
+            .iter()
+            .flat_map(|[red, green, blue]| [*blue, *green, *red, 0]),
+    );
+    bytes.extend(rows);
+    Image {
+        what: format!("BMP, {bits} bits"),
+        bytes,
+        pixels: (0..SIDE)
+            .flat_map(|row| pixels[row * SIDE..][..WIDTH].to_vec())
+            .collect(),
     }
 }
 
@@ -137,8 +208,10 @@ fn images(stream: &mut Stream) -> Vec<Image> {
         png(Indexed, BitDepth::Eight, stream),
     ];
     for most in [1, 100, 255, 1000, 65535] {
-        images.extend([true, false].map(|plain| pgm(plain, most, stream)));
+        images.extend([2, 3, 5, 6].map(|kind| netpbm(kind, most, stream)));
     }
+    images.extend([1, 4].map(|kind| netpbm(kind, 1, stream)));
+    images.extend([1, 4, 8, 24].map(|bits| bmp(bits, stream)));
     for depth in [BitDepth::Eight, BitDepth::Sixteen] {
         let colours = [Grayscale, GrayscaleAlpha, Rgb, Rgba];
         images.extend(colours.map(|colour| png(colour, depth, stream)));
@@ -167,7 +240,7 @@ fn every_mode_and_format_is_read_by_the_rules_of_nav2() {
                 let read = map.load().unwrap();
                 for (at, &pixel) in image.pixels.iter().enumerate() {
                     let wanted = nav2(pixel, mode, negate == 1, occupied, free);
-                    let found = read.value(at % SIDE, at / SIDE);
+                    let found = read.value(at % read.width, at / read.width);
                     let what = &image.what;
                     assert_eq!(
                         found, wanted,
@@ -289,19 +362,71 @@ fn what_nav2_refuses_or_would_pass_on_as_nonsense_is_refused_with_the_remedy() {
     }
     let map = Map(tempfile::tempdir().unwrap());
     map.yaml("");
-    for magic in [
-        &b"BM"[..],
-        b"\xff\xd8\xff",
-        b"GIF89a",
-        b"P1 1 1 1",
-        b"P4 1 1 1",
-        b"P6 1 1 255 abc",
-        b"",
+    for (bytes, words) in [
+        (&b"GIF89a"[..], "convert it"),
+        (b"", "convert it"),
+        (b"P7 1 1 1", "convert it"),
+        (b"BM", "its header is too short"),
+        (b"\xff\xd8\xff", "not a readable image"),
+        (b"P6 1 1 255 ab", "it ends after 2 of the 3 bytes"),
+        (b"P4 9 2 abc", "it ends after 3 of the 4 bytes"),
+        (b"P3 1 1 7 1 2 8", "the level 8 exceeds the maximum, 7"),
+        (b"P1 2 1 02", "expected 0 or 1 at byte 8"),
+        (b"P5 65537 1 255 ", "a side of 65537 pixels is longer"),
+        (b"P5 60000 60000 255 ", "are more than 64000000"),
     ] {
-        map.keep("map.pgm", magic);
+        map.keep("map.pgm", bytes);
         let fault = map.load().unwrap_err().to_string();
-        assert!(fault.contains("convert it"), "{magic:?}: {fault}");
+        assert!(fault.contains(words), "{bytes:?}: {fault}");
     }
+}
+
+#[test]
+fn a_jpeg_is_read_in_grey_and_in_colours() {
+    let map = Map(tempfile::tempdir().unwrap());
+    // Blocks of one colour: white, grey 205 and black; and white, red and black.
+    for (bytes, free_thresh, wanted) in [
+        (&include_bytes!("greys.jpg")[..], 0.25, [0, 0, 100]),
+        (include_bytes!("greys.jpg"), 0.19, [0, -1, 100]),
+        (include_bytes!("colours.jpg"), 0.19, [0, 100, 100]),
+        (include_bytes!("progressive.jpg"), 0.19, [0, -1, 100]),
+    ] {
+        map.keep("map.pgm", bytes);
+        map.yaml(&format!("free_thresh: {free_thresh}"));
+        let read = map.load().unwrap();
+        assert_eq!((read.width, read.height), (24, 8));
+        assert_eq!([0, 1, 2].map(|block| read.value(8 * block + 4, 4)), wanted);
+        map.keep("map.pgm", &bytes[..bytes.len() - 40]);
+        assert!(map.load().is_err(), "truncated");
+    }
+}
+
+#[test]
+fn a_damaged_image_is_read_or_refused_without_a_panic() {
+    let map = Map(tempfile::tempdir().unwrap());
+    map.yaml("");
+    let mut stream = Stream::new(9, 0_u64);
+    let mut seeds: Vec<Vec<u8>> = [1, 4, 8, 24]
+        .map(|bits| bmp(bits, &mut stream).bytes)
+        .into();
+    seeds.push(include_bytes!("colours.jpg").to_vec());
+    seeds.push(include_bytes!("progressive.jpg").to_vec());
+    let mut refused = 0;
+    for round in 0..1200 {
+        let mut bytes = seeds[round % seeds.len()].clone();
+        for _ in 0..1 + stream.below(4) {
+            // Most faults are in the header.
+            let reach = if stream.below(3) > 0 { 80 } else { bytes.len() };
+            let at = stream.below(reach.min(bytes.len()));
+            bytes[at] = stream.below(256) as u8;
+        }
+        if stream.below(4) == 0 {
+            bytes.truncate(stream.below(bytes.len()));
+        }
+        map.keep("map.pgm", &bytes);
+        refused += usize::from(map.load().is_err());
+    }
+    assert!((100..1100).contains(&refused), "control: {refused}");
 }
 
 /// A map of 8-bit grey levels in a row.
