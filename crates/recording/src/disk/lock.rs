@@ -40,6 +40,9 @@ pub struct FolderLock {
 
 impl FolderLock {
     /// Locks an existing folder. `fault` converts an error of the lock file.
+    ///
+    /// # Errors
+    /// When another process holds the lock, or the lock file cannot be created.
     pub fn acquire(folder: &Path, fault: impl Fn(io::Error) -> Error) -> Result<Self, Error> {
         let path = folder.join(LOCK);
         if is_foreign_lock(&path) {

@@ -135,7 +135,10 @@ impl Learned {
         }
     }
 
-    /// Reads a message; `Err` describes the fault.
+    /// Reads a message.
+    ///
+    /// # Errors
+    /// What is wrong with the message, as text.
     pub fn of_grid(grid: &Grid, maze: &Maze) -> Result<Self, String> {
         let columns = usize::from(maze.width());
         let is_whole = grid.data.len() == columns * usize::from(maze.height()) * STRIDE;

@@ -24,6 +24,9 @@ impl Recording {
     }
 
     /// Returns the fact in a message.
+    ///
+    /// # Errors
+    /// When the message is not JSON of this fact.
     pub fn fact<F: DeserializeOwned>(&self, message: &Message) -> Result<F, Error> {
         let fact = serde_json::from_slice(&message.data);
         fact.map_err(|fault| self.damaged(format!("{}: {fault}", message.topic())))

@@ -93,8 +93,10 @@ pub fn messages(bytes: &[u8]) -> impl Iterator<Item = McapResult<Message<'static
     })
 }
 
-/// Rejects a file that unpacks to far more bytes than its size, before unpacking any of it. `Err`
-/// describes the fault.
+/// Rejects a file that unpacks to far more bytes than its size, before unpacking any of it.
+///
+/// # Errors
+/// What is wrong with the file, as text.
 pub fn check_unpacked(bytes: &[u8]) -> Result<(), String> {
     let most = disk::most_unpacked(bytes.len() as u64);
     let options = LinearReaderOptions::default().with_emit_chunks(true);

@@ -9,7 +9,10 @@ const MEMORY: usize = 1 << 20;
 /// other part of a message takes more than a few times its bytes.
 const PART: usize = 320;
 
-/// Decodes a message; `Err` describes the fault.
+/// Decodes a message.
+///
+/// # Errors
+/// What is wrong with the message, as text.
 pub fn decoded<M: Decode>(data: &[u8]) -> Result<M, String> {
     let parts = parts(data, 2).ok_or("it is not a protobuf message")?;
     if parts.saturating_mul(PART) > MEMORY_PER_BYTE * data.len() + MEMORY {
