@@ -108,6 +108,7 @@ fn the_crates_export_no_other_names() {
         ("xcscr", "src"),
         ("xcscr_robot", "crates/robot/src"),
         ("xcscr_learner", "crates/learner/src"),
+        ("xcscr_recording", "crates/recording/src"),
         ("xcs", "crates/xcs/src"),
     ] {
         let name = format!("{name}_exports_no_other_names");

@@ -1,8 +1,8 @@
 //! The arms of custom agents.
 
 use super::{Arm, Protocol};
-use crate::agent::Method;
 use crate::Error;
+use crate::agent::Method;
 use crate::study::error;
 
 /// The arms of a custom agent without its name, one for each combination of world, arena, sensor and

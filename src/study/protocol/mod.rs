@@ -21,9 +21,9 @@ pub use file::StudyFile;
 pub use keys::StudyKey;
 pub use overrides::Overrides;
 
+use crate::Error;
 use crate::agent::Method;
 use crate::arena::ArenaKind;
-use crate::Error;
 use crate::sensor::Sensor;
 use crate::trial::{Config, Plan, Settings};
 use crate::world::Maze;
