@@ -185,3 +185,34 @@ fn names_and_errors_from_files_stay_text_in_reports_and_tables() {
     let is_text = !page.contains("<img") && page.contains("&lt;img src=x");
     assert!(is_text, "{page}");
 }
+
+/// The generated rooms have cells with the same neighbours that need opposite moves.
+#[test]
+fn a_world_that_needs_memory_is_marked_and_is_in_no_test() {
+    let desk = Desk::new();
+    let text = SMALL.replace("\"maze5\"", "\"rooms-12-3\"");
+    desk.write("rooms.toml", &text.replace("trials = 4", "trials = 2"));
+    let report = desk.done("run rooms.toml --out a --quiet");
+    let json = desk.json("report a --json");
+    let marked = |world: &str| {
+        let arms = json["arms"].as_array().unwrap().iter();
+        let mut own = arms.filter(|arm| arm["world"] == world);
+        own.all(|arm| arm["needs_memory"] == true)
+    };
+    assert!(marked("rooms-12-3") && !marked("maze4"));
+    let comparisons = json["comparisons"].as_array().unwrap();
+    let worlds: Vec<_> = comparisons.iter().map(|one| &one["world"]).collect();
+    assert_eq!(worlds, ["maze4"]);
+    assert!(report.contains("no policy without memory is optimal"));
+    let hopeless = text
+        .replace("\"maze4\", ", "")
+        .replace("trials = 4", "trials = 1");
+    desk.write("hopeless.toml", &hopeless);
+    let report = desk.done("run hopeless.toml --out b --quiet");
+    assert!(!report.contains("might be solved"), "{report}");
+    let solvable = "run hopeless.toml --out c --quiet";
+    let position = hopeless + "sensors = [\"neighbours-position\"]\n";
+    desk.write("hopeless.toml", &position);
+    let report = desk.done(solvable);
+    assert!(!report.contains("memory"), "control: {report}");
+}

@@ -1,10 +1,12 @@
 //! The summary of the trials of each arm.
 
 use std::cmp::Ordering;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use serde::Serialize;
 
+use super::memoryless;
 use crate::episode::Mistakes;
 use crate::streams::StreamName;
 use crate::study::protocol::{Arm, Protocol};
@@ -23,6 +25,8 @@ pub struct ArmRecords<'a> {
     pub arm: &'a Arm,
     /// Number of failed trials.
     pub failed: usize,
+    /// Whether no policy without memory is optimal.
+    pub needs_memory: bool,
     folder: &'a StudyFolder,
     trials: Range<usize>,
 }
@@ -30,11 +34,20 @@ pub struct ArmRecords<'a> {
 impl<'a> ArmRecords<'a> {
     /// Returns the finished trials of each arm of a study.
     pub fn all(folder: &'a StudyFolder) -> Vec<Self> {
-        let arms = folder.protocol().arms.iter().enumerate();
-        arms.map(|(i, arm)| Self::new(folder, i, arm)).collect()
+        let protocol = folder.protocol();
+        let mut known = BTreeMap::new();
+        let mut needs_memory = |i: usize, arm: &Arm| {
+            let slip = arm.settings.arena.slip.to_bits();
+            let place = (arm.world.clone(), arm.sensor.name(), slip);
+            let search = || memoryless::needs_memory(&protocol.plan(i * protocol.trials));
+            *known.entry(place).or_insert_with(search)
+        };
+        let arms = protocol.arms.iter().enumerate();
+        arms.map(|(i, arm)| Self::new(folder, i, arm, needs_memory(i, arm)))
+            .collect()
     }
 
-    fn new(folder: &'a StudyFolder, i: usize, arm: &'a Arm) -> Self {
+    fn new(folder: &'a StudyFolder, i: usize, arm: &'a Arm, needs_memory: bool) -> Self {
         let Protocol { trials, .. } = *folder.protocol();
         let trials = i * trials..(i + 1) * trials;
         let own = folder.records_of(trials.clone());
@@ -42,6 +55,7 @@ impl<'a> ArmRecords<'a> {
         Self {
             arm,
             failed,
+            needs_memory,
             folder,
             trials,
         }
@@ -203,6 +217,9 @@ pub struct ArmSummary {
     pub sensor: &'static str,
     /// The settings of the sweep; empty without a sweep.
     pub variant: String,
+    /// Whether no policy without memory is optimal, because cells share a percept.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub needs_memory: bool,
     /// Finished trials that did not fail.
     pub trials: u64,
     /// Trials that failed.
@@ -305,6 +322,7 @@ impl ArmSummary {
             arena: arm.arena.name(),
             sensor: arm.sensor.name(),
             variant: arm.variant.to_string(),
+            needs_memory: records.needs_memory,
             trials: successes.trials,
             failed: records.failed,
             successes: successes.successes,

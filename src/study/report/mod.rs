@@ -53,6 +53,7 @@ impl Report {
         if missing > 0 {
             tested.clear();
         }
+        tested.retain(|arm| !arm.needs_memory);
         let protocol = folder.protocol();
         Self {
             study: protocol.name.clone(),

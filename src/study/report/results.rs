@@ -86,6 +86,10 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
             ("arena", &|(_, one)| one.arena.to_owned()),
             ("sensor", &|(_, one)| one.sensor.to_owned()),
             ("variant", &|(arm, _)| variant(&arm.variant, &letters)),
+            ("memory", &|(_, one)| {
+                let word = if one.needs_memory { "needed" } else { "–" };
+                word.to_owned()
+            }),
             ("solved", &|(_, one)| one.successes.to_string()),
             ("of", &|(_, one)| one.trials.to_string()),
             ("95 % interval", &|(_, one)| {
@@ -129,8 +133,10 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
     let none_erred = summaries
         .iter()
         .all(|one| one.observation_error_share.is_none() && one.mislocalised_share.is_none());
+    let all_can_solve = summaries.iter().all(|one| !one.needs_memory);
     let none_drove = summaries.iter().all(|one| one.driven_goals.is_none());
     table.without_dull(|name| match name {
+        "memory" => all_can_solve,
         "obs. errors" | "mislocalised" => none_erred,
         "driven" | "95 % interval  " | "shortest" | "driven steps" => none_drove,
         _ => ["arena", "sensor", "variant", "compacted", "failed"].contains(&name),
@@ -169,6 +175,22 @@ pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
         0 => String::new(),
         _ => format!(" {failed} trials failed and are not counted: see `trials.csv`."),
     };
+    let hopeless = match arms.iter().any(|arm| arm.needs_memory) {
+        true => {
+            " Where the column `memory` says `needed`, cells share a percept and need different actions, \
+             so no policy without memory is optimal. More episodes cannot change that, and these rows \
+             are in no test."
+        }
+        false => "",
+    };
+    let is_open = |arm: &ArmSummary| !arm.needs_memory && arm.successes < arm.trials;
+    let open = match arms.iter().any(is_open) {
+        true if hopeless.is_empty() => {
+            " Trials that are not solved might be solved with more episodes."
+        }
+        true => " Other trials that are not solved might be solved with more episodes.",
+        false => "",
+    };
     let lost: u64 = arms.iter().map(|arm| arm.successes - arm.retained).sum();
     let found: u64 = arms.iter().map(|arm| arm.successes).sum();
     let retained = match found {
@@ -179,15 +201,16 @@ pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
         ),
     };
     format!(
-        "These numbers hold for these worlds, percepts and settings, and for {episodes} episodes. \
-         Trials that are not solved might be solved with more episodes.{retained}{failed}"
+        "These numbers hold for these worlds, percepts and settings, and for {episodes} episodes.\
+         {hopeless}{open}{retained}{failed}"
     )
 }
 
 /// Describes which method needs the fewest steps to the first optimum, and where. `None` for one
 /// method.
 pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
-    let places: BTreeSet<_> = arms.iter().map(place).collect();
+    let arms: Vec<_> = arms.iter().filter(|arm| !arm.needs_memory).collect();
+    let places: BTreeSet<_> = arms.iter().map(|arm| place(arm)).collect();
     let arenas: BTreeSet<_> = arms.iter().map(|arm| arm.arena).collect();
     let sensors: BTreeSet<_> = arms.iter().map(|arm| arm.sensor).collect();
     // Leave out what all places have in common.
@@ -201,7 +224,8 @@ pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
     };
     let mut winners: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for there in &places {
-        let competitors: Vec<_> = arms.iter().filter(|arm| place(arm) == *there).collect();
+        let mut competitors = arms.clone();
+        competitors.retain(|arm| place(arm) == *there);
         if let Some((winner, is_clear)) = winner(&competitors) {
             let mark = if is_clear { "" } else { " ?" };
             let words = format!("{}{mark}", name(winner));
