@@ -14,6 +14,7 @@ from pathlib import Path
 from statistics import mean
 
 import ablation
+import aggregate
 
 HERE = Path(__file__).resolve().parent
 PAGES = HERE.parent.parent / "docs" / "src" / "results"
@@ -192,6 +193,7 @@ def filled(text):
 
 def main():
     ablation.check()
+    aggregate.check()
     stale = []
     for page in sorted(PAGES.glob("*.md")):
         before = page.read_text()
