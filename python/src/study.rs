@@ -57,7 +57,6 @@ pub fn run_study(
     let file = StudyFile::parse(text, ORIGIN, Path::new(""));
     let protocol = file.and_then(|file| Protocol::new(&file, &Overrides::default()));
     let protocol = protocol.map_err(invalid)?;
-    warn(py, protocol.arm_plans())?;
     let study = xcscr::study::Study::new(protocol);
     // An exception of an agent interrupts a study, and is no result.
     let mut study = study.retry_failed(true);
@@ -70,6 +69,7 @@ pub fn run_study(
     if let Some(reference) = reference {
         study = study.reference(reference).map_err(invalid)?;
     }
+    warn(py, study.protocol().arm_plans())?;
     let ran = py.detach(|| study.run(&out, jobs, &mut Watcher(fault.clone())));
     fault.check()?;
     let folder = ran.map_err(invalid)?;

@@ -165,7 +165,7 @@ def test_messages_name_the_argument_and_the_value():
     refused(lambda: study(methods="q-learning"), "`methods` is 'q-learning'", "a list")
     refused(lambda: study(worlds="maze4"), "`worlds` is 'maze4'", "a list")
     refused(lambda: study(sensor="positon"), "did you mean `position`")
-    refused(lambda: study(methods=["q-learning", lambda **given: None]), "<lambda>", "`__name__`")
+    refused(lambda: study(methods=["q-learning", lambda **given: None]), "<lambda>", "a pair of a name and a function")
     refused(lambda: xcs(update_order="last"), "'last'", "error-first")
     refused(lambda: xcs(ga=1), "`ga` is 1", "True or False")
 

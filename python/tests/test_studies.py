@@ -1,6 +1,7 @@
 """Studies compare agents of Python with the methods of the program."""
 
 import csv
+import functools
 import gzip
 import json
 import warnings
@@ -142,6 +143,24 @@ def test_a_reference_is_chosen_and_trials_and_agents_are_added_to_a_study(tmp_pa
         study(["xcscr", QLearning], reference="xcs")
 
 
+def test_agents_have_the_names_of_pairs_and_run_without_other_methods_with_the_same_results():
+    class Rate(QLearning):
+        def __init__(self, rate, **given):
+            super().__init__(**given)
+            self.rate = rate
+
+        def learn(self, percept, action, reward, next_percept):
+            for _ in range(self.rate):
+                super().learn(percept, action, reward, next_percept)
+
+    pairs = [("once", functools.partial(Rate, 1)), ("twice", functools.partial(Rate, 2))]
+    alone = study(pairs, reference="once")
+    assert "once − twice" in alone.report()
+    beside = study(["xcs", *pairs]).trials().query("method != 'xcs'").reset_index(drop=True)
+    pandas.testing.assert_frame_equal(alone.trials(), beside)
+    assert list(beside["method"].unique()) == ["once", "twice"]
+
+
 class Random(QLearning):
     """Chooses by a generator that no seed determines."""
 
@@ -242,8 +261,12 @@ def test_bad_input_is_refused_with_the_message_of_the_program(tmp_path):
         study(["q-lerning"])
     with pytest.raises(ValueError, match="there is no world `maze99`"):
         study(["xcs"], worlds=["maze99"])
-    with pytest.raises(ValueError, match="at least one method"):
-        study([QLearning])
+    with pytest.raises(ValueError, match="has no methods"):
+        study([])
+    with pytest.raises(ValueError, match="`maze4 xcs grid neighbours` twice"):
+        study(["xcs", "xcs"])
+    with pytest.raises(ValueError, match="invalid agent name `A b`"):
+        study([("A b", QLearning)])
     with pytest.raises(ValueError, match="is the name of another method"):
         study(["xcs", QLearning, QLearning])
     with pytest.raises(ValueError, match="did you mean `xcs.beta`"):

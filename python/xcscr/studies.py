@@ -99,7 +99,7 @@ def _table(path: Path) -> Any:
 
 def study(
     worlds: Sequence[str | os.PathLike[str]],
-    methods: Sequence[str | Callable[..., Agent]],
+    methods: Sequence[str | Callable[..., Agent] | tuple[str, Callable[..., Agent]]],
     *,
     trials: int = 30,
     episodes: int = 180,
@@ -113,7 +113,8 @@ def study(
 ) -> Study:
     """Runs paired trials of each method in each world, and compares them.
 
-    `methods` are names (`xcscr.methods()`), at least one, and classes of your own agents: see `xcscr.studies.Agent`. Trial n has
+    `methods` are names (`xcscr.methods()`) and your own agents: see `xcscr.studies.Agent`. An agent is a class, or a pair
+    of a name and a function that builds the agent, such as `("slow", functools.partial(MyAgent, rate=0.1))`. Trial n has
     the same seed for all methods. The report compares `reference`, one of the methods, with each other one; by default
     it is `xcscr-plus`, or else `xcscr`, or else the last method.
 
@@ -125,10 +126,10 @@ def study(
     if isinstance(methods, Iterable) and not isinstance(methods, str):
         methods = list(methods)
     text = _study_file(worlds, methods, trials, episodes, arena, sensor, settings, seed)
-    agents = [(_name(method), method) for method in methods if not isinstance(method, str)]
-    known = [method if isinstance(method, str) else _name(method) for method in methods]
+    agents = [_named(method) for method in methods if not isinstance(method, str)]
     if reference is not None:
-        reference = _one_of("reference", reference if isinstance(reference, str) else _name(reference), known)
+        known = [method for method in methods if isinstance(method, str)] + [name for name, _ in agents]
+        reference = _one_of("reference", _named(reference)[0] if callable(reference) else reference, known)
     jobs = checks.whole("jobs", jobs, 0, MOST_JOBS)
     out = None if out is None else checks.text("out", out)
     temporary = tempfile.TemporaryDirectory(prefix="xcscr-study-") if out is None else None
@@ -150,8 +151,6 @@ def _study_file(
         if isinstance(given, str | bytes | os.PathLike) or not isinstance(given, Iterable):
             raise ValueError(f"`{name}` is {checks.shown(given)}, but must be a list of {name}")
     names = [method for method in methods if isinstance(method, str)]
-    if not names:
-        raise ValueError("give at least one method of the program to compare with: see xcscr.methods()")
     table: dict[str, Any] = {
         "name": "study",
         "worlds": [checks.text("worlds", world) for world in worlds],
@@ -186,14 +185,19 @@ def _one_of(name: str, value: Any, known: Sequence[str]) -> str:
     raise ValueError(f"`{name}` has {checks.shown(given)}, which is unknown: {hint}")
 
 
-def _name(agent: Callable[..., Agent]) -> str:
-    """The name of a class in reports: `MyAgent` is `my-agent`."""
+def _named(agent: Any) -> tuple[str, Callable[..., Agent]]:
+    """An agent and its name in reports: that of a pair, or that of a class, where `MyAgent` is `my-agent`."""
+    if isinstance(agent, tuple) and len(agent) == 2 and isinstance(agent[0], str) and callable(agent[1]):
+        return agent
     if not callable(agent):
-        raise ValueError(f"`methods` has {checks.shown(agent)}, but a method is a name or a class of your own agent")
+        raise ValueError(
+            f"`methods` has {checks.shown(agent)}, but a method is a name, a class of your own agent, or a pair of a name and a "
+            "function that builds the agent"
+        )
     name = getattr(agent, "__name__", None)
     if not isinstance(name, str) or not re.fullmatch("[A-Za-z0-9_]{1,40}", name):
         raise ValueError(
-            f"`methods` has {checks.shown(name or agent)}, which has no name for the report: pass a class or a function, or "
-            "set its `__name__`"
+            f"`methods` has {checks.shown(name or agent)}, which has no name for the report: pass a class, or a pair of a "
+            "name and a function that builds the agent"
         )
-    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", name).replace("_", "-").strip("-").lower()
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", name).replace("_", "-").strip("-").lower(), agent

@@ -205,7 +205,7 @@ fn faults_in_a_study_and_in_its_commands_are_told_with_the_way_out() {
         assert!(!desk.path("x").exists(), "nothing was begun");
     }
     desk.done("run small.toml --out a --trials 1");
-    desk.refused("run small.toml --out a --trials 2", 73, "another study");
+    desk.refused("run small.toml --out a --episodes 2", 73, "another study");
     let plan = desk.read("a/study.json");
     let changed = plan.replace("\"beta\": 0.2", "\"beta\": 0.3");
     let frozen = "study.json is damaged: it was changed after it was frozen";

@@ -48,11 +48,13 @@ pub(super) fn run(args: &PlanArgs, out: &mut Results) -> Result<(), Failure> {
     let protocol = args.choice.protocol()?;
     super::say_warnings(&protocol);
     let outline = Outline::of(&protocol, args.tasks);
-    if let Some(tasks) = args.tasks {
-        match &args.out {
-            Some(folder) => PlannedStudy::in_folder(folder, protocol, Some(tasks))?.make()?,
-            None => drop(PlannedStudy::new(Path::new(""), protocol, tasks)?),
-        }
+    match &args.out {
+        Some(folder) => PlannedStudy::in_folder(folder, protocol, args.tasks)?.make()?,
+        None => drop(PlannedStudy::new(
+            Path::new(""),
+            protocol,
+            args.tasks.unwrap_or(1),
+        )?),
     }
     if args.out.is_none() && !args.json {
         say("nothing was written: use `--tasks` and `--out` to freeze the study in a folder");

@@ -282,6 +282,8 @@ mod tests {
                 changed("\"xcs\"", "\"q-lerning\""),
                 "there is no `q-lerning`: did you mean `q-learning`?",
             ),
+            (changed("\"xcs\"", "\"xcs\", \"xcs\""), "twice: remove"),
+            (changed("\"maze4\"", ""), "it has no trials"),
             (changed("\"xcs\"", "\"?\""), "give one of xcs, xcsam,"),
             (
                 changed("\"s\"", r#""\u001b[31mred""#),

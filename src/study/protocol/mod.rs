@@ -248,11 +248,14 @@ impl Protocol {
         };
         self.check_numbers().map_err(|fault| fault.to_string())?;
         self.check_names()?;
+        self.check_arms()?;
         self.check_reference()?;
-        if self.is_empty() || !self.arms.iter().all(known) {
-            return Err(
-                "it has no trials, or trials in worlds that it does not contain".to_owned(),
-            );
+        // Custom agents are added later.
+        if self.is_empty() && self.agent_arms.0.is_empty() {
+            return Err("it has no trials: list worlds and methods".to_owned());
+        }
+        if !self.arms.iter().all(known) {
+            return Err("it has trials in worlds that it does not contain".to_owned());
         }
         let mut firsts = (0..self.arms.len()).map(|arm| arm * self.trials);
         firsts.try_for_each(|trial| self.check_arm_of(trial))
@@ -288,6 +291,16 @@ impl Protocol {
             }
         }
         Ok(())
+    }
+
+    /// Rejects arms with the same name, whose rows could not be told apart.
+    fn check_arms(&self) -> Result<(), String> {
+        let mut names: Vec<String> = self.arms.iter().map(Arm::name).collect();
+        names.sort();
+        let twin = names.windows(2).find(|pair| pair[0] == pair[1]);
+        twin.map_or(Ok(()), |pair| {
+            Err(format!("it has `{}` twice: remove one of them", pair[0]))
+        })
     }
 
     /// Checks the settings of an arm, and that the robot and the earlier world fit.

@@ -65,8 +65,12 @@ impl PlannedStudy {
     /// Splits a study into tasks. Does not create the folder.
     ///
     /// # Errors
-    /// When there are more tasks than trials.
+    /// When there are no trials, or more tasks than trials.
     pub fn new(path: &Path, protocol: Protocol, tasks: usize) -> Result<Self, Error> {
+        if protocol.is_empty() {
+            let fault = format!("the study `{}` has no methods: list some", protocol.name);
+            return Err(ErrorKind::BadData.error(fault));
+        }
         let most = MOST_TASKS.min(protocol.len());
         within("tasks", tasks, 1..=most)?;
         Ok(Self {
