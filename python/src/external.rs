@@ -97,7 +97,7 @@ impl External {
     /// Builds the agent of a trial.
     pub fn new(class: &Py<PyAny>, plan: &Plan, fault: Fault) -> Self {
         let (maze, config) = (&plan.maze, &plan.config);
-        let (actions, width) = (maze.action_count(), config.sensor.width(maze));
+        let (actions, width) = (maze.action_count(), config.perception().width(maze));
         let built = Python::attach(|py| {
             let arguments = PyDict::new(py);
             arguments.set_item("n_actions", actions)?;
@@ -108,7 +108,9 @@ impl External {
             Ok((agent.unbind(), chooses))
         });
         let (agent, chooses) = fault.or_end(built);
-        let percepts = (!maze.is_too_large()).then(|| config.sensor.percepts(maze));
+        let percepts = (!maze.is_too_large())
+            .then(|| config.perception().at_most_percepts(maze, usize::MAX))
+            .flatten();
         Self {
             agent,
             fault,

@@ -120,7 +120,7 @@ impl Trained {
 
     fn described(&self) -> Vec<Words> {
         let Plan { maze, config } = &self.plan;
-        let few = self.knowledge.with_fewest_rules(config.sensor, maze);
+        let few = self.knowledge.with_fewest_rules(config.perception(), maze);
         let rules = few.rules().map_or(&[][..], |rules| rules.rules());
         let mut rules: Vec<_> = rules.iter().collect();
         rules.sort_by_key(|rule| std::cmp::Reverse(rule.experience));

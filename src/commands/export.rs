@@ -91,6 +91,11 @@ fn text(args: &ExportArgs) -> Result<String, Failure> {
         );
         return Err(Failure::new(ErrorKind::BadData, message));
     }
+    if plan.config.settings.sensor.history > 0 {
+        let message = "an exported policy does not keep the earlier steps (`sensor.history`): train without it, or use \
+                       `evaluate`, which keeps them";
+        return Err(Failure::new(ErrorKind::BadData, message));
+    }
     let (width, actions) = (sensor.width(maze), maze.action_count());
     knowledge.check(sensor, maze)?;
     let knowledge = knowledge.with_fewest_rules(sensor, maze);

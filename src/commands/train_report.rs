@@ -106,7 +106,7 @@ impl TrainReport {
             chosen_before: progress.chosen_before,
             rules: trial.method().rule_count(),
             counted: knowledge.counts(),
-            fewest_rules: Compacted::new(&knowledge, config.sensor, maze, trial.paths())
+            fewest_rules: Compacted::new(&knowledge, config.perception(), maze, trial.paths())
                 .map(|few| few.rules.len()),
             run_dir: disk::named(folder),
             folder: folder.to_owned(),

@@ -14,7 +14,7 @@ pub fn explain(decision: &mut Decision, setup: &DriveSetup, policy: &Frozen) {
         None => "the values decide".to_owned(),
     };
     let percept = decision.percept;
-    let seen = setup.sensor.words(maze, &|at| Some(percept.bit(at)));
+    let seen = setup.sensor.words(maze, &percept);
     let value = decision.values.get(decision.action);
     let value = value.map_or_else(String::new, |value| format!(" (value {value:.0})"));
     let (cell, action) = (decision.cell, maze.action_name(decision.action));

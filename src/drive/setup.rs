@@ -72,6 +72,11 @@ impl DriveSetup {
                 config.sensor.name()
             )));
         }
+        if config.settings.sensor.history > 0 {
+            return Err(refusal(
+                "the policy needs the earlier steps (`sensor.history`), which a drive does not keep; train without it",
+            ));
+        }
         if !physics.lidar.fitted {
             return Err(refusal("the robot has no lidar (`physics.lidar.fitted`)"));
         }

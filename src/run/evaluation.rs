@@ -8,7 +8,7 @@ use super::contents::{file_names, is_of_a_run, is_of_a_training};
 use super::error;
 use super::facts::run_info;
 use super::folder::RunFolder;
-use crate::agent::{Frozen, Knowledge};
+use crate::agent::Knowledge;
 use crate::disk;
 use crate::episode::{Episode, Learned, Observer};
 use crate::record::{RecordMode, RecordSummary, Recorder, RecordingKind, RunInfo, RunKind};
@@ -120,11 +120,10 @@ pub(super) fn record_drives(
         ..run_info(&plan)
     };
     let mut recorder = Recorder::create(folder, maze, info, mode)?;
-    let limit = config.settings.reward.step_threshold;
-    let frozen = Frozen::new(knowledge.clone(), maze.action_count(), limit);
-    recorder.warm_start(&frozen, maze);
+    let policy = config.policy(knowledge.clone(), maze);
+    recorder.warm_start(&*policy, maze);
     let evaluation = observe(&plan, knowledge, episodes, &mut recorder, stop)?;
-    Ok((evaluation, recorder.finish(&frozen)?))
+    Ok((evaluation, recorder.finish(&*policy)?))
 }
 
 /// Stops an evaluation after an episode.
@@ -150,6 +149,6 @@ pub(super) fn evaluation_plan(
     plan.config.initial = None;
     plan.check()?;
     let Plan { maze, config } = &plan;
-    knowledge.check(config.sensor, maze)?;
+    knowledge.check(config.perception(), maze)?;
     Ok(plan)
 }

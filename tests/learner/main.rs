@@ -9,6 +9,7 @@ mod ceilings;
 mod driving;
 mod examples;
 mod exporting;
+mod history;
 mod knowledge;
 mod learned;
 mod mechanisms;

@@ -4,6 +4,7 @@ use std::cmp::Reverse;
 
 use clap::ValueEnum;
 use serde::Serialize;
+use xcscr::agent::Knowledge;
 use xcscr::trial::Plan;
 use xcscr::xcs::{Action, Classifier, Condition, Percept};
 
@@ -52,10 +53,27 @@ pub struct Row {
     pub rule: Classifier,
 }
 
+/// Returns the percepts that rules can cover: all of the world. With earlier steps in the percept, these are the percepts
+/// that the learner knows, or else those at the beginning of an episode.
+fn percepts(Plan { maze, config }: &Plan, knowledge: &Knowledge) -> Vec<Percept> {
+    let perception = config.perception();
+    let known = match perception.history {
+        0 => None,
+        _ => knowledge.decided(perception, maze, usize::MAX),
+    };
+    let all = known.or_else(|| perception.at_most_percepts(maze, usize::MAX));
+    all.expect("the number is not limited")
+}
+
 /// Returns the rules that match a percept, or all rules, in the given order.
-pub fn rows(rules: &[Classifier], plan: &Plan, here: Option<&Percept>, by: Order) -> Vec<Row> {
+pub fn rows(
+    rules: &[Classifier],
+    (plan, knowledge): (&Plan, &Knowledge),
+    here: Option<&Percept>,
+    by: Order,
+) -> Vec<Row> {
     let Plan { maze, config } = plan;
-    let percepts: Vec<Percept> = config.sensor.percepts(maze);
+    let percepts = percepts(plan, knowledge);
     let matches = |rule: &&Classifier| here.is_none_or(|percept| rule.condition.matches(percept));
     let row = |rule: &Classifier| Row {
         condition: rule.condition,

@@ -77,7 +77,7 @@ pub fn run(args: &RulesArgs, out: &mut Results) -> Result<(), Failure> {
             let message = format!("{},{} is a goal: an episode ends there", cell.col, cell.row);
             return Err(Failure::new(ErrorKind::Usage, message));
         }
-        let few = knowledge.with_fewest_rules(plan.config.sensor, &plan.maze);
+        let few = knowledge.with_fewest_rules(plan.config.perception(), &plan.maze);
         return why::print((&plan, &few), cell, args.learned.can_be_repeated(), out);
     }
     let here = args.cell.map(|cell| perceived(&plan, cell)).transpose()?;
@@ -91,7 +91,7 @@ pub fn run(args: &RulesArgs, out: &mut Results) -> Result<(), Failure> {
         .as_ref()
         .map_or(all, |compacted| compacted.rules.rules());
     let shown = Shown {
-        rows: listing::rows(rules, &plan, here.as_ref(), args.sort),
+        rows: listing::rows(rules, (&plan, &knowledge), here.as_ref(), args.sort),
         plan: &plan,
         knowledge: &knowledge,
         compacted: compacted.as_ref(),
@@ -134,7 +134,7 @@ fn load(learned: &LearnedArgs) -> Result<(Plan, Knowledge), Failure> {
 /// Accepts only rules that fit the world of the plan.
 fn checked(plan: &Plan, knowledge: &Knowledge) -> Result<(), Failure> {
     let Plan { maze, config } = plan;
-    knowledge.check(config.sensor, maze)?;
+    knowledge.check(config.perception(), maze)?;
     let message = match knowledge {
         _ if knowledge.rules().is_some() => return Ok(()),
         _ => "what was learned is a table of a tabular method; it has no rules",
@@ -146,7 +146,7 @@ fn checked(plan: &Plan, knowledge: &Knowledge) -> Result<(), Failure> {
 fn compact(knowledge: &Knowledge, plan: &Plan) -> Option<Compacted> {
     let Plan { maze, config } = plan;
     let paths = Paths::with_slip(maze, config.settings.arena.slip);
-    Compacted::new(knowledge, config.sensor, maze, &paths)
+    Compacted::new(knowledge, config.perception(), maze, &paths)
 }
 
 fn perceived(plan: &Plan, cell: Cell) -> Result<Percept, Failure> {
@@ -160,5 +160,5 @@ fn perceived(plan: &Plan, cell: Cell) -> Result<Percept, Failure> {
         );
         return Err(Failure::new(ErrorKind::Usage, message));
     }
-    Ok(config.sensor.perceive_at(maze, cell))
+    Ok(config.perception().at(maze, cell))
 }

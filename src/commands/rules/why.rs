@@ -34,7 +34,7 @@ pub fn print(
         cell.col,
         cell.row
     )?;
-    let perceived = sensor.words(maze, &|at| Some(why.percept.bit(at)));
+    let perceived = sensor.words(maze, &why.percept);
     write_words(out, &format!("  perceives   {perceived}"))?;
     write_words(out, &format!("  goes        {}", choice(plan, &why)))?;
     print_votes(plan, &why, out)?;

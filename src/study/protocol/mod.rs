@@ -313,7 +313,7 @@ impl Protocol {
             return Ok(());
         };
         let [there, here] = [&earlier, &plan].map(|Plan { maze, config }| {
-            let (bits, actions) = (config.sensor.width(maze), maze.action_count());
+            let (bits, actions) = (config.perception().width(maze), maze.action_count());
             (
                 maze.name(),
                 format!("percepts of {bits} bits and {actions} moves"),

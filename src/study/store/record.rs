@@ -202,7 +202,7 @@ fn figures(trial: &mut Trial, drives: u32) -> Result<Figures, String> {
     let driven = (drives > 0).then(|| Driven::of(trial, drives));
     let Plan { maze, config } = trial.plan();
     let knowledge = trial.method().knowledge();
-    let compacted = Compacted::new(&knowledge, config.sensor, maze, trial.paths());
+    let compacted = Compacted::new(&knowledge, config.perception(), maze, trial.paths());
     let greedy = GreedySteps::of(trial.plan(), &knowledge);
     Ok(Figures {
         progress: trial.progress().clone(),

@@ -6,6 +6,7 @@
 //! * `plus/`: `xcscr-plus`, which is XCSCR with a model, a planner and replay; and `r-max`, which is the model alone.
 //! * `tabular/`: the baselines with a table.
 //! * `knowledge/`: the form of what was learned, and an agent that only follows it.
+//! * `with_history.rs`: a percept of the last steps, for any learner.
 //!
 //! A folder uses only those above it, and `knowledge`.
 
@@ -18,6 +19,7 @@ mod model;
 mod planner;
 mod plus;
 mod tabular;
+mod with_history;
 
 pub use choice::{Choice, Chosen, DecisionSource};
 pub use credit::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
@@ -27,9 +29,11 @@ pub use method::{Method, Setup};
 pub use model::{CollisionRule, Generalisation, InverseActionRule};
 pub use plus::{EnvironmentLearner, EnvironmentParams, PlusParams};
 pub use tabular::TabularParams;
+pub use with_history::WithHistory;
 
 use xcs::{Action, Condition, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
+use xcscr_robot::sensor::History;
 
 /// The credit of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -104,7 +108,8 @@ pub trait Agent {
     /// Returns the maximum number of steps of the next episode.
     fn step_threshold(&self) -> u32;
 
-    /// Returns the value of each action in a percept, without changing anything.
+    /// Returns the value of each action in a percept, without changing anything. The percept is followed by the
+    /// [`history`](Self::history).
     fn values(&self, percept: &Percept) -> PredictionArray;
 
     /// Returns what was learned so far.
@@ -119,4 +124,9 @@ pub trait Agent {
 
     /// Returns the number of macro-classifiers in \[P\], or of stored pairs of a tabular method.
     fn rule_count(&self) -> usize;
+
+    /// Returns the history that follows a percept at the beginning of an episode. By default, no steps are kept.
+    fn history(&self) -> History {
+        History::default()
+    }
 }

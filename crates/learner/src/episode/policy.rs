@@ -1,10 +1,10 @@
 //! The greedy policy, and its global optimality.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::agent::Agent;
 use xcs::PredictionArray;
-use xcscr_robot::sensor::Sensor;
+use xcscr_robot::sensor::{History, Sensor};
 use xcscr_robot::world::{Cell, Maze, Paths};
 
 /// The value of each action in each free cell of a maze, in reading order of the cells. In a
@@ -15,15 +15,46 @@ pub struct PolicyMap {
 }
 
 impl PolicyMap {
-    /// Evaluates a learner in each free cell that is not a goal, without changing the learner.
+    /// Evaluates a learner in each free cell that is not a goal, without changing the learner. A learner with a history
+    /// is evaluated at the beginning of an episode and, in the cells of the greedy path from a fixed start, on that path.
     pub fn of(method: &dyn Agent, sensor: Sensor, maze: &Maze) -> Self {
-        let values = |cell| (cell, method.values(&sensor.perceive_at(maze, cell)));
+        let beginning = method.history();
+        let values = |cell| {
+            let percept = beginning.behind(&sensor.perceive_at(maze, cell));
+            (cell, method.values(&percept))
+        };
         if maze.is_too_large() {
             return Self::along_path(maze, values);
         }
         let cells = maze.free_cells().filter(|&cell| !maze.is_goal(cell));
-        Self {
+        let mut map = Self {
             cells: cells.map(values).collect(),
+        };
+        if beginning.keeps_steps() {
+            map.replace_along_path(method, sensor, maze);
+        }
+        map
+    }
+
+    /// Replaces the values in the cells of the greedy path from a fixed start by those on that path.
+    fn replace_along_path(&mut self, method: &dyn Agent, sensor: Sensor, maze: &Maze) {
+        let mut history = method.history();
+        let mut at = maze.start();
+        let mut seen = BTreeSet::new();
+        while let Some(cell) = at.filter(|&cell| !maze.is_goal(cell)) {
+            let percept = sensor.perceive_at(maze, cell);
+            let values = method.values(&history.behind(&percept));
+            let Some(action) = values.best_actions().next() else {
+                return;
+            };
+            if !seen.insert((cell.row, cell.col)) {
+                return;
+            }
+            at = ahead(maze, cell, &values);
+            history = history.after(&percept, action);
+            if let Ok(place) = self.place(cell) {
+                self.cells[place].1 = values;
+            }
         }
     }
 
@@ -34,10 +65,13 @@ impl PolicyMap {
 
     /// Returns the values of the actions in a cell; `None` for walls and goals.
     pub fn values(&self, cell: Cell) -> Option<&PredictionArray> {
-        let at = self
-            .cells
-            .binary_search_by_key(&(cell.row, cell.col), |(c, _)| (c.row, c.col));
-        at.ok().map(|i| &self.cells[i].1)
+        self.place(cell).ok().map(|place| &self.cells[place].1)
+    }
+
+    /// Returns the place of a cell in the list.
+    fn place(&self, cell: Cell) -> Result<usize, usize> {
+        let key = |(cell, _): &(Cell, PredictionArray)| (cell.row, cell.col);
+        self.cells.binary_search_by_key(&(cell.row, cell.col), key)
     }
 
     /// Ranks the greatest value of each cell among all cells, from 0 (the least) to 1 (the
@@ -153,6 +187,9 @@ impl FaultFinder {
         maze: &Maze,
         paths: &Paths,
     ) -> Option<Cell> {
+        if method.history().keeps_steps() {
+            return fault_with_history(method, sensor, maze, paths);
+        }
         self.begin(maze);
         // Several start cells can be checked in any order; a single one must come first.
         let suspect = self.suspect.filter(|_| maze.start().is_none());
@@ -198,6 +235,42 @@ impl FaultFinder {
     fn was_seen(&mut self, at: usize) -> bool {
         std::mem::replace(&mut self.seen[at], self.search) == self.search
     }
+}
+
+/// Returns a cell in which the policy of a learner with a history is not globally optimal, from any start. Each pair of
+/// a cell and a history that the policy can reach is checked.
+fn fault_with_history(
+    method: &dyn Agent,
+    sensor: Sensor,
+    maze: &Maze,
+    paths: &Paths,
+) -> Option<Cell> {
+    let beginning = method.history();
+    let mut open: Vec<(Cell, History)> = maze.starts().map(|cell| (cell, beginning)).collect();
+    let mut seen = BTreeSet::new();
+    while let Some((cell, history)) = open.pop() {
+        if maze.is_goal(cell) || !seen.insert((maze.index(cell), history)) {
+            continue;
+        }
+        let percept = sensor.perceive_at(maze, cell);
+        let values = method.values(&history.behind(&percept));
+        if values.greatest().is_none() {
+            return Some(cell);
+        }
+        for action in values.best_actions() {
+            let Some(next) = paths.successor(maze, cell, action) else {
+                return Some(cell);
+            };
+            let history = history.after(&percept, action);
+            open.push((next, history));
+            if paths.slips() {
+                let directions = maze.moves().directions().iter();
+                let slipped = directions.filter_map(|&along| maze.step(cell, along));
+                open.extend(slipped.chain([cell]).map(|cell| (cell, history)));
+            }
+        }
+    }
+    None
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! The fewest rules that keep all decisions in a maze.
 
-use crate::agent::{Frozen, Knowledge};
+use crate::agent::{Frozen, Knowledge, WithHistory};
 use crate::episode::FaultFinder;
 use xcs::{Population, fewest_rules};
-use xcscr_robot::sensor::Sensor;
+use xcscr_robot::sensor::{History, Perception};
 use xcscr_robot::world::{Maze, Paths};
 
 /// The fewest rules of a learner that keep all its decisions in a maze, tested there.
@@ -19,15 +19,21 @@ impl Compacted {
     /// The maximum number of distinct percepts of a world; more would take minutes.
     pub const MOST_PERCEPTS: usize = 4096;
 
-    /// Selects the fewest rules. `None` for a table, and in worlds with more than
-    /// [`MOST_PERCEPTS`](Self::MOST_PERCEPTS) distinct percepts.
-    pub fn new(knowledge: &Knowledge, sensor: Sensor, maze: &Maze, paths: &Paths) -> Option<Self> {
-        let actions = maze.action_count();
-        let mut percepts = sensor.at_most_percepts(maze, Self::MOST_PERCEPTS)?;
-        percepts.retain(|percept| knowledge.decides(percept));
+    /// Selects the fewest rules. `None` for a table, in worlds with more than
+    /// [`MOST_PERCEPTS`](Self::MOST_PERCEPTS) distinct percepts, and if the percepts
+    /// [cannot be listed](Knowledge::decided).
+    pub fn new(
+        knowledge: &Knowledge,
+        perception: impl Into<Perception>,
+        maze: &Maze,
+        paths: &Paths,
+    ) -> Option<Self> {
+        let (perception, actions) = (perception.into(), maze.action_count());
+        let percepts = knowledge.decided(perception, maze, Self::MOST_PERCEPTS)?;
         let rules = fewest_rules(knowledge.rules()?, &percepts, actions);
-        let frozen = Frozen::new(Knowledge::Rules(rules.clone()), actions, 1);
-        let fault = FaultFinder::default().find(&frozen, sensor, maze, paths);
+        let frozen = Box::new(Frozen::new(Knowledge::Rules(rules.clone()), actions, 1));
+        let policy = WithHistory::around(frozen, History::new(perception, maze));
+        let fault = FaultFinder::default().find(&*policy, perception.sensor, maze, paths);
         Some(Self {
             optimal: fault.is_none(),
             rules,
@@ -38,8 +44,8 @@ impl Compacted {
 impl Knowledge {
     /// Returns the knowledge with only the fewest rules that keep all decisions in a maze: the policy that is shown and
     /// exported. Knowledge that [`Compacted::new`] does not accept is returned as it is.
-    pub fn with_fewest_rules(&self, sensor: Sensor, maze: &Maze) -> Self {
-        let few = Compacted::new(self, sensor, maze, &Paths::new(maze));
+    pub fn with_fewest_rules(&self, perception: impl Into<Perception>, maze: &Maze) -> Self {
+        let few = Compacted::new(self, perception, maze, &Paths::new(maze));
         few.map_or_else(|| self.clone(), |few| self.with_rules(few.rules))
     }
 }

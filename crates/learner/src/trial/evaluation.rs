@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Trial;
 use super::plan::{Plan, PlanError};
-use crate::agent::{Explorer, Frozen, Knowledge};
+use crate::agent::{Explorer, Knowledge};
 use crate::episode::{self, BestChoices, Ending, Observer};
 use xcs::random::Stream;
 use xcscr_robot::arena::Arena;
@@ -94,7 +94,7 @@ impl Evaluation {
     ) -> Result<Self, PlanError> {
         let plan = plan.clone().settled();
         let Plan { maze, config } = &plan;
-        knowledge.check(config.sensor, maze)?;
+        knowledge.check(config.perception(), maze)?;
         let began_ns = arena.view().now().time_ns;
         let mut starts = Stream::new(config.seed, StreamName::Start);
         let cells = Starts::new(maze);
@@ -154,8 +154,7 @@ impl GreedySums {
         knowledge: &Knowledge,
         observer: &mut dyn Observer,
     ) -> Self {
-        let limit = config.settings.reward.step_threshold;
-        let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
+        let mut policy = config.policy(knowledge.clone(), maze);
         let paths = Paths::with_slip(maze, config.settings.arena.slip);
         let mut greedy = Explorer::new(0.0, Stream::new(config.seed, StreamName::Exploration));
         let mut sums = Self::default();
@@ -166,7 +165,7 @@ impl GreedySums {
                 start,
                 arena,
                 config.sensor,
-                &mut policy,
+                &mut *policy,
                 &mut greedy,
                 &mut (&mut choices, &mut *observer),
             );
@@ -194,6 +193,7 @@ mod tests {
     use std::ops::ControlFlow;
 
     use super::*;
+    use crate::agent::Frozen;
     use xcs::Action;
     use xcscr_robot::arena::{ArenaKind, FaultParams, Localisation};
     use xcscr_robot::sensor::Sensor;

@@ -197,7 +197,8 @@ impl Trial {
         Self::with_agent(plan, agent)
     }
 
-    /// Like [`new`](Self::new), with a custom agent in place of the plan's method.
+    /// Like [`new`](Self::new), with a custom agent in place of the plan's method. Its percepts have the configured
+    /// history.
     ///
     /// # Errors
     /// When the world or a setting is invalid.
@@ -209,7 +210,7 @@ impl Trial {
         Ok(Self {
             judge: Judge::new(maze, config.sensor, config.settings.arena.slip),
             arena: config.build_arena(maze)?,
-            method: agent,
+            method: config.with_history(agent, maze),
             explorer: Explorer::new(config.settings.episode.explore, exploration),
             start_cells: Starts::new(maze),
             starts: Stream::new(config.seed, StreamName::Start),

@@ -3,13 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::settings::Settings;
-use crate::agent::{Agent, Knowledge, Method, Misfit, Setup};
+use crate::agent::{Agent, Frozen, Knowledge, Method, Misfit, Setup, WithHistory};
 use xcs::bounds::{OutOfRange, within};
 use xcscr_robot::arena::{
     Arena, ArenaKind, GridArena, Localisation, NoisyPerceptArena, PhysicsArena, PhysicsError,
     PhysicsParams, RewardingArena, SlippingArena, check_fit,
 };
-use xcscr_robot::sensor::Sensor;
+use xcscr_robot::sensor::{History, Perception, Sensor};
 use xcscr_robot::world::Maze;
 
 /// All choices about a trial except the world. Stored with every run.
@@ -72,6 +72,26 @@ impl Config {
         }
     }
 
+    /// Returns the sensor, and the number of earlier steps in a percept.
+    pub fn perception(&self) -> Perception {
+        Perception {
+            sensor: self.sensor,
+            history: self.settings.sensor.history,
+        }
+    }
+
+    /// Gives a learner in a maze the earlier steps in its percepts, as configured.
+    pub fn with_history(&self, agent: Box<dyn Agent>, maze: &Maze) -> Box<dyn Agent> {
+        WithHistory::around(agent, History::new(self.perception(), maze))
+    }
+
+    /// Returns an agent that follows knowledge in a maze without learning.
+    pub fn policy(&self, knowledge: Knowledge, maze: &Maze) -> Box<dyn Agent> {
+        let limit = self.settings.reward.step_threshold;
+        let frozen = Frozen::new(knowledge, maze.action_count(), limit);
+        self.with_history(Box::new(frozen), maze)
+    }
+
     /// Returns true if the robot only knows its sensor readings, not its true pose.
     pub fn senses(&self) -> bool {
         let localisation = self.settings.physics.localisation;
@@ -120,7 +140,7 @@ impl Config {
         let ring = self.sensor.ring(actions);
         let mut method = self.method.build(actions, ring, setup, self.seed);
         if let Some(knowledge) = &self.initial {
-            knowledge.check(self.sensor, maze)?;
+            knowledge.check(self.perception(), maze)?;
             if !method.warm_start(knowledge) {
                 return Err(Misfit::Useless(self.method.name()));
             }

@@ -81,9 +81,12 @@ fn step_limit(plan: &Plan, paths: &Paths) -> Option<Warning> {
     (steps < longest).then_some(Warning::StepLimit { steps, longest })
 }
 
-/// Only cells on optimal paths matter.
+/// Only cells on optimal paths matter. What a history distinguishes depends on the way of the robot.
 fn aliased_cells(plan: &Plan, paths: &Paths) -> Option<Warning> {
     let sensor = plan.config.sensor;
+    if plan.config.settings.sensor.history > 0 {
+        return None;
+    }
     let groups = sensor.misleading(&plan.maze, paths);
     (!groups.is_empty()).then_some(Warning::Aliased { sensor, groups })
 }

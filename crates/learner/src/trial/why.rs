@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::plan::Plan;
 use crate::agent::Knowledge;
 use xcs::{Action, Classifier, Percept, Population, PredictionArray};
-use xcscr_robot::sensor::Sensor;
+use xcscr_robot::sensor::{Perception, Sensor};
 use xcscr_robot::world::{Cell, Maze};
 
 /// The evaluation of a percept by the rules.
@@ -44,11 +44,10 @@ pub struct Change {
 }
 
 impl Why {
-    /// Explains the choice of the rules in a free cell. Rules with a map are evaluated as at the
-    /// beginning of an episode.
+    /// Explains the choice of the rules in a free cell, at the beginning of an episode.
     pub fn at(plan: &Plan, knowledge: &Knowledge, cell: Cell) -> Self {
         let Plan { maze, config } = plan;
-        let percept = config.sensor.perceive_at(maze, cell);
+        let percept = config.perception().at(maze, cell);
         let values = knowledge.values(&percept, maze.action_count());
         Self {
             votes: votes(knowledge, &percept, &values),
@@ -97,7 +96,7 @@ fn changes(
 ) -> Vec<Change> {
     let Plan { maze, config } = plan;
     let best: Vec<Action> = values.best_actions().collect();
-    let candidates = candidates(config.sensor, maze, percept);
+    let candidates = candidates(config.perception(), maze, percept);
     let others = Action::all(maze.action_count()).filter(|action| !best.contains(action));
     let change = |action| {
         let leads_to = |candidate: &&Candidate| {
@@ -124,7 +123,8 @@ struct Candidate {
 
 /// Returns all percepts of the world, and percepts in which one or two surrounding cells differ.
 /// The smallest differences come first, and among equal ones the percepts that occur in the world.
-fn candidates(sensor: Sensor, maze: &Maze, percept: &Percept) -> Vec<Candidate> {
+fn candidates(perception: Perception, maze: &Maze, percept: &Percept) -> Vec<Candidate> {
+    let sensor = perception.sensor;
     let here = words(sensor, maze, percept);
     let candidate = |(percept, cell): (Percept, Option<Cell>)| Candidate {
         words: words(sensor, maze, &percept)
@@ -135,7 +135,7 @@ fn candidates(sensor: Sensor, maze: &Maze, percept: &Percept) -> Vec<Candidate> 
         cell,
     };
     let cells = maze.free_cells().filter(|&cell| !maze.is_goal(cell));
-    let real = cells.map(|cell| (sensor.perceive_at(maze, cell), Some(cell)));
+    let real = cells.map(|cell| (perception.at(maze, cell), Some(cell)));
     let one = sensor.changed_surroundings(percept);
     let two = one.iter().flat_map(|one| sensor.changed_surroundings(one));
     let simulated = one
@@ -154,6 +154,6 @@ fn candidates(sensor: Sensor, maze: &Maze, percept: &Percept) -> Vec<Candidate> 
 
 /// Returns the parts of the description of a percept.
 fn words(sensor: Sensor, maze: &Maze, percept: &Percept) -> Vec<String> {
-    let words = sensor.words(maze, &|at| Some(percept.bit(at)));
+    let words = sensor.words(maze, percept);
     words.split(", ").map(str::to_owned).collect()
 }

@@ -71,7 +71,7 @@ impl Decision {
             action: action_name(step, step.action),
             chosen_by: step.source.name().to_owned(),
             explored: step.explored,
-            seen: sensor.words(maze, &|at| Some(step.percept.bit(at))),
+            seen: sensor.words(maze, &step.percept),
             percept: step.percept.to_string(),
             rule: format!("{because} -> {choice}{}", support(step)),
             runner_up: runner_up(step).map_or_else(String::new, |other| value(step, other)),

@@ -7,6 +7,7 @@
 
 mod aliasing;
 mod changes;
+mod history;
 mod lidar;
 mod neighbours;
 mod params;
@@ -18,6 +19,7 @@ use std::collections::HashSet;
 pub use aliasing::AliasedCells;
 pub use aliasing::aliased_among;
 use foldhash::fast::FixedState;
+pub use history::{History, Perception};
 pub use params::SensorParams;
 use serde::{Deserialize, Serialize};
 use strum::{IntoStaticStr, VariantArray};

@@ -12,5 +12,8 @@ settings! {
         /// `r-max` correct such errors, with their map; all other methods treat every percept as
         /// correct.
         flip_probability: f64 = 0.0, in 0.0..=0.1;
+        /// The number of earlier steps that learners perceive: each percept is followed by the last actions, and by
+        /// the percepts in which they were taken. An episode begins without earlier steps.
+        history: u32 = 0, in 0..=3;
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{Sensor, lidar, neighbours, position};
 use crate::world::{Direction, Maze};
-use xcs::Condition;
+use xcs::{Condition, Percept};
 
 /// What a condition requires of a percept.
 pub trait Demands {
@@ -13,6 +13,25 @@ pub trait Demands {
 
     /// Returns the least and the greatest number that these bits may encode, if a range is required.
     fn range(&self, bits: Range<usize>) -> Option<[u16; 2]>;
+
+    /// Returns the number of bits; `None` if it is unknown, so that earlier steps are not described.
+    fn width(&self) -> Option<usize> {
+        None
+    }
+}
+
+impl Demands for Percept {
+    fn allele(&self, at: usize) -> Option<bool> {
+        (at < self.width()).then(|| self.bit(at))
+    }
+
+    fn range(&self, _: Range<usize>) -> Option<[u16; 2]> {
+        None
+    }
+
+    fn width(&self) -> Option<usize> {
+        Some(self.width())
+    }
 }
 
 impl Demands for Condition {
@@ -23,6 +42,10 @@ impl Demands for Condition {
     fn range(&self, bits: Range<usize>) -> Option<[u16; 2]> {
         let own = self.ranges().find(|range| range.bits() == bits);
         own.map(|range| range.limits())
+    }
+
+    fn width(&self) -> Option<usize> {
+        Some(self.width())
     }
 }
 
@@ -68,7 +91,22 @@ impl Sensor {
     }
 
     fn phrase(self, names: [&str; 8], maze: &Maze, alleles: Alleles<'_>) -> String {
-        let words = match self {
+        let mut words = self.words_of_percept(names, maze, alleles);
+        words.extend(self.words_of_history(maze, alleles));
+        match words.is_empty() {
+            true => ANYTHING.to_owned(),
+            false => words.join(", "),
+        }
+    }
+
+    /// Describes the percept without earlier steps.
+    pub(super) fn words_of_percept(
+        self,
+        names: [&str; 8],
+        maze: &Maze,
+        alleles: Alleles<'_>,
+    ) -> Vec<String> {
+        match self {
             Self::Neighbours => around(names, alleles),
             Self::Position => place(maze, 0, alleles),
             Self::NeighboursPosition => {
@@ -84,10 +122,6 @@ impl Sensor {
                 words.extend(place(maze, neighbours::WIDTH, alleles));
                 words
             }
-        };
-        match words.is_empty() {
-            true => ANYTHING.to_owned(),
-            false => words.join(", "),
         }
     }
 }

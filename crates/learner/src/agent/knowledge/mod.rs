@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::agent::model::Generalisation;
 use xcs::{Action, Percept, Population, PredictionArray, Xcs};
-use xcscr_robot::sensor::Sensor;
+use xcscr_robot::sensor::Perception;
 use xcscr_robot::world::Maze;
 
 /// Learned knowledge: enough to follow the greedy policy.
@@ -108,6 +108,25 @@ impl Knowledge {
         }
     }
 
+    /// Returns the percepts of a maze in which the learner has a decision; `None` if there are more than `most`. With
+    /// earlier steps in the percept, only a learner with a model can list them; `None` for the others.
+    pub fn decided(
+        &self,
+        perception: Perception,
+        maze: &Maze,
+        most: usize,
+    ) -> Option<Vec<Percept>> {
+        if perception.history > 0 {
+            let Self::PerceptRules { known, .. } = self else {
+                return None;
+            };
+            return (known.len() <= most).then(|| known.clone());
+        }
+        let mut percepts = perception.at_most_percepts(maze, most)?;
+        percepts.retain(|percept| self.decides(percept));
+        Some(percepts)
+    }
+
     /// Returns the transition generalisation; `None` for methods without one.
     pub fn generalisation(&self) -> Option<&Generalisation> {
         match self {
@@ -120,9 +139,10 @@ impl Knowledge {
     ///
     /// # Errors
     /// The first rule or row that does not fit.
-    pub fn check(&self, sensor: Sensor, maze: &Maze) -> Result<(), Misfit> {
-        let (width, actions) = (sensor.width(maze), maze.action_count());
-        let layout = sensor.layout(maze);
+    pub fn check(&self, perception: impl Into<Perception>, maze: &Maze) -> Result<(), Misfit> {
+        let perception = perception.into();
+        let (width, actions) = (perception.width(maze), maze.action_count());
+        let layout = perception.sensor.layout(maze);
         let rules = self.rules().map_or(&[][..], Population::rules).iter();
         let own = rules.map(|rule| (rule.condition, Some(rule.action)));
         let predicting = self
