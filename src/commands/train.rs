@@ -9,7 +9,7 @@ use xcscr::disk;
 use xcscr::record::RecordMode;
 use xcscr::run::{Finished, Resumed, RunFolder, Session};
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Config, Plan, Settings, Trial};
+use xcscr::trial::{Config, Plan, Settings, Trial, Unread};
 
 use super::choices::{self, SettingsArgs};
 use super::failure::Failure;
@@ -75,8 +75,10 @@ pub struct TrainArgs {
 }
 
 impl TrainArgs {
-    fn plan(&self) -> Result<Plan, Failure> {
+    /// Returns the plan, and the settings without effect.
+    fn plan(&self) -> Result<(Plan, Vec<Unread>), Failure> {
         let resolved = self.settings.resolve(&Settings::of(self.method))?;
+        let unread = resolved.unread(self.method, self.arena);
         // The command line requires a world without `--resume`.
         let maze = choices::world(self.world.as_deref().unwrap_or(Path::new("")))?;
         let config = Config {
@@ -93,9 +95,9 @@ impl TrainArgs {
                 .as_deref()
                 .map(choices::read_rules)
                 .transpose()?,
-            settings: resolved.settings.clone(),
+            settings: resolved.settings,
         };
-        Ok(Plan { maze, config })
+        Ok((Plan { maze, config }, unread))
     }
 }
 
@@ -125,9 +127,12 @@ pub fn run(args: &TrainArgs, out: &mut Results) -> Result<(), Failure> {
 }
 
 fn begin(args: &TrainArgs) -> Result<(Session, Interrupt), Failure> {
-    let plan = args.plan()?;
+    let (plan, unread) = args.plan()?;
     let default = || PathBuf::from("recordings").join(plan.folder_name());
     let path = args.out.clone().unwrap_or_else(default);
+    for setting in unread {
+        say(&format!("warning: {setting}"));
+    }
     say_warnings(&plan);
     let trial = Trial::new(plan)?;
     let folder = RunFolder::create(&path, args.force)?;

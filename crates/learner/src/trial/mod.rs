@@ -12,6 +12,7 @@ mod robot;
 mod settings;
 mod settings_error;
 mod toml_text;
+mod unread;
 mod warning;
 mod why;
 
@@ -32,6 +33,7 @@ pub use robot::{RobotError, RobotProfile};
 pub use settings::Settings;
 pub use settings_error::{SettingOrigin, SettingsError};
 pub use toml_text::{MOST_TOML_BYTES, shortened};
+pub use unread::Unread;
 pub use warning::Warning;
 pub use why::{Change, WeightedRule, Why};
 

@@ -67,19 +67,6 @@ pub enum SettingsError {
         /// A description of allowed values.
         wanted: String,
     },
-    /// Nothing in the run reads the setting.
-    #[error("{origin}: `{key}` has no effect: {why}")]
-    Unread {
-        /// The setting.
-        key: String,
-        /// The origin.
-        origin: SettingOrigin,
-        /// The reason, and what reads the setting.
-        why: String,
-    },
-    /// A robot was chosen for an arena without a robot.
-    #[error("the robot profile has no effect: the arena `grid` has no robot, `physics` has one")]
-    NoRobot,
     /// The value is out of its range.
     #[error("{origin}: {fault}")]
     Range {
