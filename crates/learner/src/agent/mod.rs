@@ -126,7 +126,7 @@ pub trait Agent {
     fn rule_count(&self) -> usize;
 
     /// Returns the history that follows a percept at the beginning of an episode. By default, no steps are kept.
-    fn history(&self) -> History {
+    fn first_history(&self) -> History {
         History::default()
     }
 }

@@ -76,7 +76,7 @@ impl Agent for WithHistory {
         self.agent.rule_count()
     }
 
-    fn history(&self) -> History {
+    fn first_history(&self) -> History {
         self.beginning
     }
 }

@@ -18,7 +18,7 @@ impl PolicyMap {
     /// Evaluates a learner in each free cell that is not a goal, without changing the learner. A learner with a history
     /// is evaluated at the beginning of an episode and, in the cells of the greedy path from a fixed start, on that path.
     pub fn of(method: &dyn Agent, sensor: Sensor, maze: &Maze) -> Self {
-        let beginning = method.history();
+        let beginning = method.first_history();
         let values = |cell| {
             let percept = beginning.behind(&sensor.perceive_at(maze, cell));
             (cell, method.values(&percept))
@@ -38,7 +38,7 @@ impl PolicyMap {
 
     /// Replaces the values in the cells of the greedy path from a fixed start by those on that path.
     fn replace_along_path(&mut self, method: &dyn Agent, sensor: Sensor, maze: &Maze) {
-        let mut history = method.history();
+        let mut history = method.first_history();
         let mut at = maze.start();
         let mut seen = BTreeSet::new();
         while let Some(cell) = at.filter(|&cell| !maze.is_goal(cell)) {
@@ -187,7 +187,7 @@ impl FaultFinder {
         maze: &Maze,
         paths: &Paths,
     ) -> Option<Cell> {
-        if method.history().keeps_steps() {
+        if method.first_history().keeps_steps() {
             return fault_with_history(method, sensor, maze, paths);
         }
         self.begin(maze);
@@ -245,7 +245,7 @@ fn fault_with_history(
     maze: &Maze,
     paths: &Paths,
 ) -> Option<Cell> {
-    let beginning = method.history();
+    let beginning = method.first_history();
     let mut open: Vec<(Cell, History)> = maze.starts().map(|cell| (cell, beginning)).collect();
     let mut seen = BTreeSet::new();
     while let Some((cell, history)) = open.pop() {
