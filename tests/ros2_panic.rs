@@ -1,5 +1,4 @@
 //! A panic in the middle of a drive. `tests/ros2_live.py` runs this test with a robot on the network.
-#![cfg(feature = "ros2")]
 
 use std::cell::Cell;
 use std::path::PathBuf;

@@ -14,7 +14,7 @@ use xcscr::trial::{Resolved, Settings};
 fn page() -> String {
     let mut page = "# Settings\n\nEvery setting with its default and its range. Some methods have other defaults, which follow in parentheses. A setting without a range is a switch, `true` or `false`, or its description gives the range. \
         This page is generated from the declarations in the source \
-        (`UPDATE_DOCS=1 cargo test --test settings` regenerates it).\n"
+        (`UPDATE_DOCS=1 cargo test --test suite settings::` regenerates it).\n"
         .to_owned();
     let resolved = Resolved::new(&Settings::default(), &[], &[]).unwrap();
     let declared = Settings::declared();
@@ -78,14 +78,14 @@ fn require(page: &str, path: &str) {
         fs::write(&path, page).unwrap();
     }
     let written = fs::read_to_string(&path).unwrap();
-    let hint = "UPDATE_DOCS=1 cargo test --test settings regenerates it";
+    let hint = "UPDATE_DOCS=1 cargo test --test suite settings:: regenerates it";
     assert_eq!(written, page, "{hint}");
 }
 
 /// The page of the keys of a study file.
 fn page_of_keys() -> String {
-    let mut page = "# Keys of a study file\n\nThis page is generated from the source (`UPDATE_DOCS=1 cargo test --test \
-        settings` regenerates it).\n"
+    let mut page = "# Keys of a study file\n\nThis page is generated from the source (`UPDATE_DOCS=1 cargo test --test suite \
+        settings::` regenerates it).\n"
         .to_owned();
     for key in StudyKey::all() {
         let default = match &key.default {
@@ -137,7 +137,7 @@ fn write_help(page: &mut String, words: &[&str]) {
 #[test]
 fn the_page_of_the_command_line_has_the_help_of_every_command() {
     let mut page = "# Command line\n\nThe help of every command, as `xcscr COMMAND --help` prints it. This page is \
-        generated from the program (`UPDATE_DOCS=1 cargo test --test settings` regenerates it).\n"
+        generated from the program (`UPDATE_DOCS=1 cargo test --test suite settings::` regenerates it).\n"
         .to_owned();
     write_help(&mut page, &[]);
     let commands = page.matches("\n## xcscr").count();

@@ -49,7 +49,7 @@ pub struct ConvertArgs {
     /// with the most moves between cells that lead to the goal.
     #[arg(long, value_name = "auto|X,Y", default_value = "auto", value_parser = offset, allow_hyphen_values = true)]
     offset: Offset,
-    /// Draw the map, the grid, the start and the goal into this PNG file.
+    /// Draw the map, the grid, the start and the goal into this SVG file.
     #[arg(long, value_name = "FILE")]
     preview: Option<PathBuf>,
     /// Replace existing files.
@@ -165,9 +165,9 @@ fn to_world(args: &ConvertArgs, out: &mut Results) -> Result<(), Failure> {
     }
     let gridded = gridding.of(&map)?;
     if let Some(file) = preview {
-        let png = map_preview(&gridded.maze, &map)
+        let picture = map_preview(&gridded.maze, &map)
             .map_err(|fault| Failure::new(ErrorKind::BadData, fault))?;
-        file.write(&png)?;
+        file.write(picture.as_bytes())?;
     }
     world.write(gridded.maze.to_json().as_bytes())?;
     print_world(&gridded, args, out)

@@ -16,7 +16,7 @@ use super::output::OutputFile;
 pub struct MapArgs {
     /// Folder of a run, or one of its recordings.
     run: PathBuf,
-    /// Picture to write: .svg or .png.
+    /// Picture to write: an .svg file.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Draw the value (the paper's worth) of every action. Without an episode, draw three stages of learning: the
@@ -31,16 +31,9 @@ pub struct MapArgs {
     force: bool,
 }
 
-/// The picture formats.
-#[derive(Clone, Copy)]
-enum Kind {
-    Svg,
-    Png,
-}
-
 /// Repeats the trial and draws what was learned.
 pub fn run(args: &MapArgs) -> Result<(), Failure> {
-    let kind = Kind::of(&args.output)?;
+    require_svg(&args.output)?;
     let file = OutputFile::free(&args.output, args.force)?;
     let (plan, shown) = plan(args)?;
     let look = match args.worth {
@@ -48,28 +41,20 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         false => Look::Policy,
     };
     let picture = RepeatableRun::training(plan).picture(args.episode.or(shown), look)?;
-    let picture = match kind {
-        Kind::Svg => picture.svg().into_bytes(),
-        Kind::Png => picture.png()?,
-    };
-    file.write(&picture)
+    file.write(picture.svg().as_bytes())
 }
 
-impl Kind {
-    fn of(file: &Path) -> Result<Self, Failure> {
-        let extension = file.extension().map(|e| e.to_ascii_lowercase());
-        match extension.as_ref().and_then(|e| e.to_str()) {
-            Some("svg") => Ok(Self::Svg),
-            Some("png") => Ok(Self::Png),
-            _ => {
-                let message = format!(
-                    "{} is not a picture file name: it must end in .svg or .png",
-                    file.display()
-                );
-                Err(Failure::new(ErrorKind::Usage, message))
-            }
-        }
+/// Rejects file names that do not end in `.svg`.
+fn require_svg(file: &Path) -> Result<(), Failure> {
+    let extension = file.extension().unwrap_or_default();
+    if extension.eq_ignore_ascii_case("svg") {
+        return Ok(());
     }
+    let message = format!(
+        "{} is not a picture file name: it must end in .svg",
+        file.display()
+    );
+    Err(Failure::new(ErrorKind::Usage, message))
 }
 
 /// Returns the plan of a run, and the episode of a recording.

@@ -1,138 +1,174 @@
 //! A preview of a converted map: the map, the cells of the grid, the start and the goals.
 
-use resvg::tiny_skia::{
-    Color, FillRule, FilterQuality, Paint, PathBuilder, Pixmap, PixmapPaint, Point,
-    PremultipliedColorU8, Stroke, Transform,
-};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use nalgebra::Point2;
 
+use super::svg::{Drawing, Element, short};
 use crate::world::{Cell, Maze, Occupancy, OccupancyMap};
 
 /// Approximate length of the longer side of the picture, in pixels.
-const SIDE: f32 = 1600.0;
+const SIDE: f64 = 1200.0;
 /// Smallest cell, in pixels, that gets a frame. Frames around smaller cells would hide the map.
-const SMALLEST_CELL: f32 = 5.0;
+const SMALLEST_CELL: f64 = 5.0;
 /// Radius of the start mark, in cells.
-const START_MARK: f32 = 0.3;
+const START_MARK: f64 = 0.3;
+const FRAME: &str = "#1f77b4";
+const GOAL: &str = "#2ca02c";
+const START: &str = "#ff7f0e";
 
-/// Renders a PNG file with the part of the map that the maze covers in grey. Free cells have a blue
-/// frame, goals are green, and the start is an orange disc.
+/// Renders an SVG document with the part of the map that the maze covers in grey. Free cells have a
+/// blue frame, goals are green, and the start is an orange disc.
 ///
 /// # Errors
-/// When the picture is too large.
-pub fn map_preview(maze: &Maze, map: &OccupancyMap) -> Result<Vec<u8>, String> {
-    let too_large = || format!("{} x {} pixels are too many", map.width, map.height);
-    let grid = Grid { maze, map };
-    let [low, high] = grid.extent();
-    let (width, height) = (high.x - low.x, high.y - low.y);
-    let scale = (SIDE / width.max(height)).clamp(0.05, 16.0);
-    let side = |pixels: f32| ((pixels * scale).ceil() as u32).max(1);
-    let mut canvas = Pixmap::new(side(width), side(height)).ok_or_else(too_large)?;
-    let plan = plan(map).ok_or_else(too_large)?;
-    let look = Transform::from_translate(-low.x, -low.y).post_scale(scale, scale);
-    let paint = PixmapPaint {
-        quality: if scale < 1.0 {
-            FilterQuality::Bilinear
-        } else {
-            FilterQuality::Nearest
-        },
-        ..PixmapPaint::default()
-    };
-    canvas.fill(Color::WHITE);
-    canvas.draw_pixmap(0, 0, plan.as_ref(), &paint, look, None);
-    for cell in maze.free_cells() {
-        grid.draw_cell(&mut canvas, cell, look);
+/// When the pixels of the map cannot be encoded.
+pub fn map_preview(maze: &Maze, map: &OccupancyMap) -> Result<String, String> {
+    let grid = Grid::new(maze, map);
+    let mut elements = vec![grid.background(&pixels(map).map_err(|fault| fault.to_string())?)];
+    let goals = maze.goals().iter();
+    elements.extend(
+        goals.map(|&goal| outline(&grid.frame(goal), [("fill", GOAL), ("fill-opacity", "0.8")])),
+    );
+    if grid.cell_px() >= SMALLEST_CELL {
+        let frames: String = maze.free_cells().map(|cell| grid.frame(cell)).collect();
+        elements.push(outline(&frames, [("fill", "none"), ("stroke", FRAME)]));
     }
-    canvas.encode_png().map_err(|fault| fault.to_string())
+    elements.extend(maze.starts().next().map(|start| grid.start_mark(start)));
+    Ok(Drawing {
+        width: grid.size_px[0].ceil() as u32,
+        height: grid.size_px[1].ceil() as u32,
+        title: maze.name().to_owned(),
+        definitions: "",
+        elements,
+    }
+    .document())
 }
 
-/// Renders the pixels of the map.
-fn plan(map: &OccupancyMap) -> Option<Pixmap> {
-    let mut plan = Pixmap::new(map.width as u32, map.height as u32)?;
+/// Encodes the pixels of the map as a PNG image.
+fn pixels(map: &OccupancyMap) -> Result<Vec<u8>, png::EncodingError> {
     let places = (0..map.height).flat_map(|row| (0..map.width).map(move |col| (col, row)));
-    for (pixel, (col, row)) in plan.pixels_mut().iter_mut().zip(places) {
-        let grey = match map.at(col, row) {
-            Occupancy::Free => 254,
-            Occupancy::Occupied => 0,
-            Occupancy::Unknown => 205,
-        };
-        *pixel = PremultipliedColorU8::from_rgba(grey, grey, grey, 255)?;
-    }
-    Some(plan)
+    let greys = places.map(|(col, row)| match map.at(col, row) {
+        Occupancy::Free => 254,
+        Occupancy::Occupied => 0,
+        Occupancy::Unknown => 205,
+    });
+    let greys: Vec<u8> = greys.collect();
+    let mut image = Vec::new();
+    let mut encoder = png::Encoder::new(&mut image, map.width as u32, map.height as u32);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.write_header()?.write_image_data(&greys)?;
+    Ok(image)
+}
+
+/// Draws a path.
+fn outline<const N: usize>(path: &str, style: [(&'static str, &str); N]) -> Element {
+    let style = style.map(|(name, value)| (name, value.to_owned()));
+    Element::new("path", [("d", path.to_owned())]).with(style)
 }
 
 /// The grid of a maze over the pixels of a map.
 struct Grid<'a> {
     maze: &'a Maze,
     map: &'a OccupancyMap,
+    /// Pixels of the picture per pixel of the map.
+    scale: f64,
+    /// The upper left corner of the picture, in pixels of the map.
+    corner: Point2<f64>,
+    /// Width and height of the picture.
+    size_px: [f64; 2],
 }
 
-impl Grid<'_> {
-    /// Returns a point of the grid, in cells from its lower left corner, in pixels from the upper
-    /// left corner of the image.
-    fn pixel(&self, col: f64, row: f64) -> Point {
-        let in_grid = nalgebra::Point2::new(col, row) * self.maze.cell_size_m();
+impl<'a> Grid<'a> {
+    /// Lays out a picture that is a cell larger than the maze on each side.
+    fn new(maze: &'a Maze, map: &'a OccupancyMap) -> Self {
+        let mut grid = Self {
+            maze,
+            map,
+            scale: 1.0,
+            corner: Point2::origin(),
+            size_px: [0.0; 2],
+        };
+        let [cols, rows] = [maze.width(), maze.height()].map(f64::from);
+        let (right, top) = (cols + 1.0, rows + 1.0);
+        let corners = [[-1.0, -1.0], [right, -1.0], [-1.0, top], [right, top]];
+        let corners = corners.map(|[col, row]| grid.pixel(col, row));
+        let low = corners
+            .iter()
+            .fold(corners[0], |low, corner| low.inf(corner));
+        let high = corners
+            .iter()
+            .fold(corners[0], |high, corner| high.sup(corner));
+        let size = high - low;
+        grid.scale = (SIDE / size.max()).clamp(0.05, 16.0);
+        grid.size_px = [size.x, size.y].map(|side| side * grid.scale);
+        grid.corner = low;
+        grid
+    }
+
+    /// Returns the edge of a cell in the picture.
+    fn cell_px(&self) -> f64 {
+        self.maze.cell_size_m() / self.map.resolution_m * self.scale
+    }
+
+    /// Returns a point of the grid, in cells from its lower left corner, in pixels of the picture.
+    fn pixel(&self, col: f64, row: f64) -> Point2<f64> {
+        let in_grid = Point2::new(col, row) * self.maze.cell_size_m();
         let in_map = self.maze.point_in_map(in_grid);
         let in_image = self.map.origin.to_grid(in_map) / self.map.resolution_m;
-        Point::from_xy(
-            in_image.x as f32,
-            (self.map.height as f64 - in_image.y) as f32,
+        let from_top = self.map.height as f64 - in_image.y;
+        ((Point2::new(in_image.x, from_top) - self.corner) * self.scale).into()
+    }
+
+    /// Returns the map, from its pixels as a PNG image.
+    fn background(&self, image: &[u8]) -> Element {
+        let corner = -self.corner * self.scale;
+        let size = [self.map.width, self.map.height].map(|pixels| pixels as f64 * self.scale);
+        Element::new(
+            "image",
+            [
+                ("x", short(corner.x)),
+                ("y", short(corner.y)),
+                ("width", short(size[0])),
+                ("height", short(size[1])),
+                ("preserveAspectRatio", "none".to_owned()),
+                ("style", "image-rendering:pixelated".to_owned()),
+                (
+                    "href",
+                    format!("data:image/png;base64,{}", STANDARD.encode(image)),
+                ),
+            ],
         )
     }
 
-    /// Returns the upper left and the lower right corner of the picture, a cell larger than the
-    /// maze on each side.
-    fn extent(&self) -> [Point; 2] {
-        let [cols, rows] = [self.maze.width(), self.maze.height()].map(f64::from);
-        let (right, top) = (cols + 1.0, rows + 1.0);
-        let corners = [[-1.0, -1.0], [right, -1.0], [-1.0, top], [right, top]];
-        let corners = corners.map(|[col, row]| self.pixel(col, row));
-        let [first, others @ ..] = corners;
-        others.iter().fold([first; 2], |[low, high], corner| {
-            [
-                Point::from_xy(low.x.min(corner.x), low.y.min(corner.y)),
-                Point::from_xy(high.x.max(corner.x), high.y.max(corner.y)),
-            ]
-        })
+    /// Returns the closed path around a cell.
+    fn frame(&self, cell: Cell) -> String {
+        let [col, row] = self.south_west(cell);
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let corners = corners.map(|[x, y]| {
+            let at = self.pixel(col + x, row + y);
+            format!("{} {}", short(at.x), short(at.y))
+        });
+        format!("M{}z", corners.join("L"))
     }
 
-    /// Draws a free cell: its frame, and the goal or start mark.
-    fn draw_cell(&self, canvas: &mut Pixmap, cell: Cell, look: Transform) {
-        let (col, row) = (
-            f64::from(cell.col),
-            f64::from(self.maze.height() - cell.row) - 1.0,
-        );
-        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let mut frame = PathBuilder::new();
-        for (number, [x, y]) in corners.into_iter().enumerate() {
-            let Point { x, y } = self.pixel(col + x, row + y);
-            match number {
-                0 => frame.move_to(x, y),
-                _ => frame.line_to(x, y),
-            }
-        }
-        frame.close();
-        let Some(frame) = frame.finish() else {
-            return;
-        };
-        let mut paint = Paint::default();
-        if self.maze.is_goal(cell) {
-            paint.set_color_rgba8(44, 160, 44, 200);
-            canvas.fill_path(&frame, &paint, FillRule::Winding, look, None);
-        }
-        let edge = (self.maze.cell_size_m() / self.map.resolution_m) as f32;
-        if edge * look.sx >= SMALLEST_CELL {
-            paint.set_color_rgba8(31, 119, 180, 160);
-            let stroke = Stroke {
-                width: 1.0 / look.sx,
-                ..Stroke::default()
-            };
-            canvas.stroke_path(&frame, &paint, &stroke, look, None);
-        }
+    /// Returns the disc in the middle of the start.
+    fn start_mark(&self, start: Cell) -> Element {
+        let [col, row] = self.south_west(start);
         let middle = self.pixel(col + 0.5, row + 0.5);
-        let mark = PathBuilder::from_circle(middle.x, middle.y, START_MARK * edge);
-        if let Some(mark) = mark.filter(|_| self.maze.starts().next() == Some(cell)) {
-            paint.set_color_rgba8(255, 127, 14, 255);
-            canvas.fill_path(&mark, &paint, FillRule::Winding, look, None);
-        }
+        Element::new(
+            "circle",
+            [
+                ("cx", short(middle.x)),
+                ("cy", short(middle.y)),
+                ("r", short(START_MARK * self.cell_px())),
+                ("fill", START.to_owned()),
+            ],
+        )
+    }
+
+    /// Returns the lower left corner of a cell, in cells from that of the grid.
+    fn south_west(&self, cell: Cell) -> [f64; 2] {
+        let row = f64::from(self.maze.height() - cell.row) - 1.0;
+        [f64::from(cell.col), row]
     }
 }

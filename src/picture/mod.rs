@@ -5,12 +5,10 @@ mod camera;
 mod colours;
 mod drawing;
 mod map_preview;
-mod pixels;
 mod policy_picture;
 mod svg;
 
 pub(crate) use camera::{Camera, Stages};
 pub(crate) use colours::css;
 pub use map_preview::map_preview;
-pub(crate) use pixels::{FONT, png};
 pub use policy_picture::{Look, PolicyPicture};

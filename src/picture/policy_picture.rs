@@ -1,7 +1,7 @@
 //! A picture of the policy after an episode.
 
 use super::camera::{Camera, Stages};
-use super::{action_values, drawing, pixels};
+use super::{action_values, drawing};
 use crate::agent::Knowledge;
 use crate::episode::{Ending, Episode, Observer, PolicyMap};
 use crate::trial::{Plan, steps_to_goal};
@@ -10,8 +10,6 @@ use crate::{Error, ErrorKind};
 
 /// The most cells of a maze that is drawn. The SVG of such a maze takes 145 MB.
 const MOST_CELLS: usize = 1 << 20;
-/// The most cells of a maze in a PNG file. Rendering one takes some 3 kB of memory per cell.
-const MOST_PNG_CELLS: usize = 1 << 18;
 
 /// An episode and the policy after it.
 #[derive(Debug, Clone)]
@@ -61,8 +59,7 @@ impl PolicyPicture {
         look: Look,
         watch: impl FnOnce(&mut dyn Observer) -> Result<Knowledge, Error>,
     ) -> Result<Self, Error> {
-        let instead = "`xcscr rules RUN --cell COL,ROW` shows what was learned in one cell";
-        check_size(&plan.maze, MOST_CELLS, "drawn", instead)?;
+        check_size(&plan.maze)?;
         let episodes = plan.config.episodes;
         let last = after.unwrap_or(episodes);
         if !(1..=episodes).contains(&last) {
@@ -87,32 +84,18 @@ impl PolicyPicture {
         };
         drawing.document()
     }
-
-    /// Renders a PNG file.
-    ///
-    /// # Errors
-    /// When the picture is too large.
-    pub fn png(&self) -> Result<Vec<u8>, Error> {
-        check_size(
-            &self.maze,
-            MOST_PNG_CELLS,
-            "drawn as PNG",
-            "write an .svg file",
-        )?;
-        pixels::png(&self.svg())
-            .map_err(|fault| ErrorKind::BadData.error(format!("cannot draw the picture: {fault}")))
-    }
 }
 
-/// Rejects a maze of more than `most` cells, and suggests what to do instead.
-fn check_size(maze: &Maze, most: usize, done: &str, instead: &str) -> Result<(), Error> {
+/// Rejects a maze of more than [`MOST_CELLS`] cells, and suggests what to do instead.
+fn check_size(maze: &Maze) -> Result<(), Error> {
     let cells = usize::from(maze.width()) * usize::from(maze.height());
-    if cells <= most {
+    if cells <= MOST_CELLS {
         return Ok(());
     }
     let name = maze.name();
     Err(ErrorKind::BadData.error(format!(
-        "cannot draw the picture: {name} has {cells} cells, but at most {most} can be {done}; {instead}"
+        "cannot draw the picture: {name} has {cells} cells, but at most {MOST_CELLS} can be drawn; \
+         `xcscr rules RUN --cell COL,ROW` shows what was learned in one cell"
     )))
 }
 
@@ -178,21 +161,6 @@ mod tests {
         for part in ["hall has 1052672 cells", "xcscr rules RUN --cell COL,ROW"] {
             assert!(refused.contains(part), "{refused}");
         }
-    }
-
-    #[test]
-    fn a_png_file_of_too_many_cells_is_refused_and_the_message_suggests_an_svg_file() {
-        let plan = Plan::new(hall(1024, 257))
-            .arena(ArenaKind::Grid)
-            .episodes(1);
-        let refused = drawn(plan)
-            .unwrap()
-            .png()
-            .expect_err("it has too many cells");
-        assert!(
-            refused.to_string().contains("write an .svg file"),
-            "{refused}"
-        );
     }
 
     #[test]

@@ -40,6 +40,12 @@ impl Element {
         }
     }
 
+    /// Adds attributes.
+    pub fn with<const N: usize>(mut self, attributes: [(&'static str, String); N]) -> Self {
+        self.attributes.extend(attributes);
+        self
+    }
+
     /// Sets the text inside the element.
     pub fn with_text(self, text: impl Into<String>) -> Self {
         let text = text.into();

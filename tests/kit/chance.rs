@@ -3,12 +3,13 @@
 use xcscr::streams::StreamName;
 use xcscr::xcs::random::Stream;
 
-/// Returns the number of repetitions of a random experiment: `commit`, or `long` if the environment
-/// variable `XCSCR_LONG` is set.
-pub fn rounds(commit: usize, long: usize) -> usize {
+/// Returns the number of repetitions of a random experiment: in the fast suite, in the long suite, and
+/// in the long suite if the environment variable `XCSCR_LONG` is set.
+pub fn rounds([fast, long, hours]: [usize; 3]) -> usize {
     match std::env::var_os("XCSCR_LONG") {
-        Some(_) => long,
-        None => commit,
+        _ if cfg!(not(feature = "long")) => fast,
+        Some(_) => hours,
+        None => long,
     }
 }
 

@@ -132,22 +132,18 @@ pub fn values(valid: &Value, dice: &mut Stream) -> Value {
     mutant
 }
 
-/// Passes mutants of valid files to a reader, which returns true if it accepts one: `commit` of them, or
-/// `long` with `XCSCR_LONG`. Every second mutant of a JSON file has changed values. Some mutants must be
+/// Passes mutants of valid files to a reader, which returns true if it accepts one, in so many
+/// [`rounds`]. Every second mutant of a JSON file has changed values. Some mutants must be
 /// valid, or they would test nothing behind the parser.
 #[track_caller]
-pub fn feed(
-    files: &[Vec<u8>],
-    (commit, long): (usize, usize),
-    mut reader: impl FnMut(&[u8]) -> bool,
-) {
+pub fn feed(files: &[Vec<u8>], times: [usize; 3], mut reader: impl FnMut(&[u8]) -> bool) {
     let documents: Vec<Option<Value>> = files
         .iter()
         .map(|file| serde_json::from_slice(file).ok())
         .collect();
     let mut dice = dice(files.concat().len() as u64);
     let mut accepted = 0;
-    for number in 0..rounds(commit, long) {
+    for number in 0..rounds(times) {
         let file = number / 2 % files.len();
         let mutant = match &documents[file] {
             Some(document) if number % 2 == 0 => values(document, &mut dice).to_string().into(),

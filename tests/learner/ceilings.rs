@@ -7,13 +7,14 @@ use xcscr::sensor::Sensor;
 use xcscr::trial::Plan;
 use xcscr::world::Maze;
 
-use crate::learned::{Learned, gridded, learned, with, world};
+use crate::kit::chance::rounds;
+use crate::learner::learned::{Learned, gridded, learned, with, world};
 
 const MAZES: [&str; 3] = ["maze4", "maze5", "maze6"];
 
-/// Twenty trials.
-fn twenty(plan: Plan) -> Vec<Arc<Learned>> {
-    let seeds = 1..=20;
+/// Trials with different seeds.
+fn trials(plan: Plan) -> Vec<Arc<Learned>> {
+    let seeds = 1..=rounds([5, 20, 20]) as u64;
     seeds.map(|seed| learned(plan.clone().seed(seed))).collect()
 }
 
@@ -50,14 +51,14 @@ fn optimal(trials: &[Arc<Learned>]) -> usize {
 /// R-max has found an optimum long before the last episode.
 fn r_max(maze: &str) -> Vec<Arc<Learned>> {
     let plan = gridded(world(maze), Method::RMax).episodes(20);
-    twenty(without_generalisation(plan))
+    trials(without_generalisation(plan))
 }
 
 #[test]
 fn tabular_methods_need_as_many_episodes_as_in_other_programs() {
     for (at, (r_max_needs, q_learning_needs)) in [(2, 11), (4, 25), (4, 27)].iter().enumerate() {
         let maze = MAZES[at];
-        let q_learning = twenty(gridded(world(maze), Method::QLearning).episodes(60));
+        let q_learning = trials(gridded(world(maze), Method::QLearning).episodes(60));
         for (trials, expected, most) in [
             (r_max(maze), *r_max_needs, 1),
             (q_learning, *q_learning_needs, 3),
@@ -73,7 +74,7 @@ fn tabular_methods_need_as_many_episodes_as_in_other_programs() {
 fn xcscr_plus_is_always_optimal_within_three_episodes_and_in_fewer_steps_than_r_max_without_generalisation()
  {
     for maze in MAZES {
-        let ours = twenty(gridded(world(maze), Method::XcscrPlus).episodes(60));
+        let ours = trials(gridded(world(maze), Method::XcscrPlus).episodes(60));
         let (steps, ceiling) = (median_steps(&ours), median_steps(&r_max(maze)));
         assert!(steps < ceiling, "{maze}: {steps} steps, R-max {ceiling}");
         let episode = median_episode(&ours);
@@ -87,7 +88,7 @@ fn without_planned_exploration_xcscr_plus_takes_more_than_three_times_the_steps(
     let [planned, random] = [true, false].map(|planned| {
         let plan = gridded(world("maze5"), Method::XcscrPlus).episodes(60);
         let plan = with(plan, |settings| settings.plus.planned_exploration = planned);
-        median_steps(&twenty(plan))
+        median_steps(&trials(plan))
     });
     assert!(random > 3 * planned, "{planned} and {random} steps");
 }
@@ -97,6 +98,7 @@ const ROOM: &str = r########"{ "moves": 8, "rows": [
     "#######", "#.....#", "#.....#", "#...G.#", "#.....#", "#.....#", "#######"
 ] }"########;
 
+#[cfg(feature = "long")]
 #[test]
 fn xcscr_plus_takes_about_the_steps_of_r_max_and_without_generalisation_it_takes_more() {
     let maze = Maze::from_json(ROOM.as_bytes(), "room.json").unwrap();
@@ -110,7 +112,7 @@ fn xcscr_plus_takes_about_the_steps_of_r_max_and_without_generalisation_it_takes
         without_generalisation(plan(Method::RMax)),
     ]
     .map(|plan| {
-        let trials = twenty(plan);
+        let trials = trials(plan);
         assert_eq!(optimal(&trials), 20);
         median_steps(&trials)
     });

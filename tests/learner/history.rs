@@ -5,7 +5,7 @@ use xcscr::episode::PolicyMap;
 use xcscr::trial::{Compacted, Evaluation, Plan, Trial};
 use xcscr::world::{Cell, Maze};
 
-use crate::learned::{gridded, with};
+use super::learned::{gridded, with};
 
 /// A corridor with two cells that share a percept: the lower one needs a move to the east, the upper one to the west.
 const HOOK: &str =

@@ -5,7 +5,7 @@ use xcscr::sensor::Sensor;
 use xcscr::trial::{Compacted, Trial};
 use xcscr::world::Paths;
 
-use crate::learned::{gridded, with, world};
+use crate::learner::learned::{gridded, with, world};
 
 /// A finished trial of a few episodes in Maze4.
 fn finished(method: Method, over_match_set: bool) -> Trial {

@@ -8,7 +8,7 @@ use xcscr::episode::{Episode, Learned, Observer, Step};
 use xcscr::trial::{Plan, Settings, Trial};
 use xcscr::world::Maze;
 
-use crate::learned::{gridded, with, world};
+use crate::learner::learned::{gridded, with, world};
 
 type Change = fn(&mut Settings);
 

@@ -11,7 +11,7 @@ use xcscr::streams::StreamName;
 use xcscr::trial::{Compacted, Plan, Trial};
 use xcscr::world::Paths;
 
-use crate::learned::{gridded, learned, world};
+use crate::learner::learned::{gridded, learned, world};
 
 /// What the rules decided: the percept, the action, and the condition of the rule that fired.
 #[derive(Default)]
@@ -148,6 +148,7 @@ fn a_few_of_the_rules_keep_all_decisions() {
     }
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn an_optimum_that_was_found_in_maze4_is_never_lost_again_in_99_of_100_trials() {
     let never_lost = (1..=100).filter(|&seed| {

@@ -15,7 +15,7 @@ use xcscr::trial::{Settings, Trial};
 use xcscr::xcs::random::Stream;
 use xcscr::xcs::{self, Action, Environment, Percept, Response, Runner};
 
-use crate::learned::{gridded, with, world};
+use crate::learner::learned::{gridded, with, world};
 
 const SEEDS: [u64; 3] = [1, 2, 3];
 
@@ -159,6 +159,7 @@ fn mapping(trial: &Trial) -> (f64, f64) {
     (f64::from(rules) / f64::from(visited), share)
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn the_classic_mazes_are_walked_in_the_fewest_steps() {
     let woods1 = ("woods1", 50, 2000, 800, 0.5);
@@ -187,6 +188,7 @@ fn assert_xcsam(problem: Problem, is_better: impl Fn(&Walked, &Walked) -> bool) 
 
 // What is claimed of XCSAM: it focuses on the best actions, and so a smaller population is enough.
 
+#[cfg(feature = "long")]
 #[test]
 fn xcsam_spends_fewer_rules_on_other_actions_than_xcs() {
     // Measured: 83 to 84 % and 69 to 73 %.
@@ -195,6 +197,7 @@ fn xcsam_spends_fewer_rules_on_other_actions_than_xcs() {
     });
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn xcsam_walks_mazes_with_populations_too_small_for_xcs() {
     // Measured: 2.3 to 2.4 steps and 1.8 to 1.9; 47 to 58 rules and 38 to 46.

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use crate::copies::{Parts, merged};
 use crate::kit::desk::Desk;
 use crate::kit::trial::{Trial, maze};
+use crate::recordings::copies::{Parts, merged};
 use mcap::WriteOptions;
 use serde_json::Value;
 use xcscr::record::layout;

@@ -1,13 +1,13 @@
 //! Recordings in which lengths, numbers, times and indexes are forged, inside of chunks too, and all
 //! checksums are right: what is read is told or refused, and never believed to the point of a panic.
 //!
-//! `XCSCR_LONG=1 cargo test --test recordings forged_recordings` forges fifty times as many.
+//! With `XCSCR_LONG=1` the long suite forges fifty times as many.
 
 use std::path::Path;
 
-use crate::copies::Parts;
 use crate::kit::chance::{dice, rounds};
 use crate::kit::desk::Desk;
+use crate::recordings::copies::Parts;
 use xcscr::record::reader::Recording;
 use xcscr::xcs::random::Stream;
 
@@ -149,7 +149,7 @@ fn forged_recordings() {
     assert_eq!(again.messages().count(), 40, "the control is whole");
     let mut dice = dice(13);
     let mut taken = 0;
-    for number in 0..rounds(2_000, 100_000) {
+    for number in 0..rounds([100, 2_000, 100_000]) {
         let mut forged = records.clone();
         for _ in 0..=dice.below(3) {
             forge(&mut forged, &mut dice);

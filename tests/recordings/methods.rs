@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-use crate::GRID;
+use super::GRID;
 use crate::kit::desk::Desk;
 use crate::kit::messages::{count, messages};
 use crate::kit::schema::fault;
@@ -25,6 +25,7 @@ fn short_run(method: Method) -> Desk {
     desk
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn a_run_of_any_method_takes_4600_bytes_for_each_cell_move_at_most() {
     Method::ALL.par_iter().for_each(|&method| {
@@ -86,6 +87,7 @@ fn keeps_to_its_schemas(recording: &Recording) {
     assert!(silent.is_empty(), "{silent:?} in {:?}", recording.path());
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn every_message_of_every_method_is_what_its_schema_says() {
     let check = |desk: Desk| {

@@ -11,10 +11,10 @@ use serde_json::Value;
 use xcscr::record::reader::Recording;
 use xcscr::replay::player;
 
-use crate::GRID;
-use crate::copies::Parts;
+use super::GRID;
 use crate::kit::desk::Desk;
 use crate::kit::messages::{count, messages, said};
+use crate::recordings::copies::Parts;
 
 const SAMPLE: &str = "recordings/sample-maze4.mcap";
 

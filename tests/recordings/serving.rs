@@ -152,6 +152,7 @@ fn a_recording_that_becomes_a_link_while_it_is_served_gives_away_nothing() {
     }
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn requests_beyond_the_bounds_are_refused_and_the_next_one_is_served() {
     let server = serve(SAMPLE);
@@ -186,6 +187,7 @@ fn requests_beyond_the_bounds_are_refused_and_the_next_one_is_served() {
 
 /// More connections than the server holds, and than it has descriptors for.
 #[cfg(unix)]
+#[cfg(feature = "long")]
 #[test]
 fn many_silent_or_slow_clients_keep_nobody_out_even_with_64_descriptors() {
     let limited = Desk::new().limited("-n 64", &format!("replay {SAMPLE}"));
@@ -214,6 +216,7 @@ fn served_within_a_while(server: &Served, when: &str) {
     wait_until(when, || server.ask_or_nothing(FILE).ends_with(&sample()));
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn a_client_that_reads_slowly_gets_everything_while_others_are_served() {
     let desk = Desk::new();

@@ -1,6 +1,6 @@
 //! What is printed of a run on one screen.
 
-use crate::GRID;
+use super::GRID;
 use crate::kit::desk::Desk;
 
 /// No line but those with a path is wider than a terminal.

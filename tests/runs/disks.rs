@@ -74,6 +74,7 @@ impl Drop for SmallDisk {
     }
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn a_full_disk_ends_in_code_74_and_the_run_goes_on_when_there_is_room() {
     let Some(disk) = SmallDisk::mount("2m") else {
@@ -106,6 +107,7 @@ fn a_full_disk_ends_in_code_74_and_the_run_goes_on_when_there_is_room() {
     assert_same(&run, &wanted, "after the disk was full");
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn pictures_pages_and_studies_on_a_full_disk_end_in_code_74_and_leave_nothing_torn() {
     let Some(disk) = SmallDisk::mount("64k") else {
@@ -116,7 +118,7 @@ fn pictures_pages_and_studies_on_a_full_disk_end_in_code_74_and_leave_nothing_to
     let run = run.to_str().unwrap();
     desk.write("ballast", vec![0; 48 * 1024]);
     for line in [
-        &format!("map {run} -o @p.png")[..],
+        &format!("map {run} -o @p.svg")[..],
         &format!("replay {run} --html @page.html"),
         "study run paper --episodes 1 --out @s",
     ] {
@@ -128,6 +130,7 @@ fn pictures_pages_and_studies_on_a_full_disk_end_in_code_74_and_leave_nothing_to
     assert_eq!(names, ["ballast"]);
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn a_disk_that_may_only_be_read_ends_in_code_73_and_is_left_as_it_is() {
     let Some(disk) = SmallDisk::mount("60m") else {

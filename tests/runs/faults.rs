@@ -90,6 +90,7 @@ fn what_a_crash_leaves_before_a_run_begins_is_not_in_the_way() {
     assert!(!desk.path("run/.unfinished.json.a1B2c3.tmp").exists());
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn of_eight_processes_in_one_folder_one_wins_and_the_others_name_it() {
     let desk = Desk::new();

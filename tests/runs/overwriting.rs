@@ -36,13 +36,11 @@ fn a_link_is_never_written_through_or_replaced() {
     desk.train("run", "maze4 --arena grid --episodes 2 --method q-learning");
     desk.write("kept.svg", "mine");
     symlink(desk.path("kept.svg"), desk.path("link.svg")).unwrap();
-    symlink(desk.path("kept.svg"), desk.path("link.png")).unwrap();
     symlink(desk.path("nothere.svg"), desk.path("dangling.svg")).unwrap();
     for line in [
         "map @run -o @link.svg",
         "map @run -o @dangling.svg",
         "export @run --target python -o @link.svg",
-        "map @run -o @link.png",
     ] {
         desk.fails(73, line, "it is a link");
         desk.fails(73, &format!("{line} --force"), "it is a link");

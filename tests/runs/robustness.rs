@@ -1,5 +1,6 @@
 //! `evaluate --robustness` as its users call it.
 
+use crate::kit::chance::rounds;
 use crate::kit::desk::Desk;
 use serde_json::Value;
 
@@ -27,7 +28,8 @@ fn number(table: &Value, condition: &str, field: &str) -> f64 {
 fn a_robot_that_senses_is_driven_under_every_condition_from_the_same_seed() {
     let desk = Desk::new();
     desk.train("run", SENSING);
-    let sweep = "evaluate @run --robustness --episodes 40";
+    let episodes = rounds([4, 40, 40]);
+    let sweep = &format!("evaluate @run --robustness --episodes {episodes}");
     let as_json = format!("{sweep} --json");
     let table = desk.json(&as_json);
     assert_eq!(table["left_out"].as_array().unwrap().len(), 0, "{table}");
@@ -117,7 +119,8 @@ fn the_unchanged_row_is_a_plain_evaluation_with_the_same_seed() {
 fn conditions_that_cannot_apply_are_named_with_the_reason() {
     let desk = Desk::new();
     desk.train("run", &format!("{SENSING} --arena grid"));
-    let sweep = "evaluate @run --robustness --episodes 5";
+    let episodes = rounds([1, 5, 5]);
+    let sweep = &format!("evaluate @run --robustness --episodes {episodes}");
     let on_grid = desk.json(&format!("{sweep} --json"));
     let applied = [
         "unchanged",

@@ -60,6 +60,7 @@ fn the_first_signal_ends_the_run_after_its_episode() {
     }
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn an_episode_without_end_is_left_after_a_signal_and_a_second_one_ends_at_once() {
     let desk = Desk::new();
@@ -75,6 +76,7 @@ fn an_episode_without_end_is_left_after_a_signal_and_a_second_one_ends_at_once()
     end_of(child, 130, "two signals");
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn an_evaluation_ends_after_a_signal_like_a_recorded_one() {
     let desk = Desk::new();
@@ -88,6 +90,7 @@ fn an_evaluation_ends_after_a_signal_like_a_recorded_one() {
     }
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn a_study_leaves_a_trial_without_end_after_a_signal_and_ends_at_once_after_a_second_one() {
     let desk = Desk::new();

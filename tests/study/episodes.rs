@@ -5,7 +5,7 @@ use std::fs;
 use std::io::Read;
 use std::path::Path;
 
-use crate::desk::{Desk, SMALL};
+use crate::study::desk::{Desk, SMALL};
 
 type Row = BTreeMap<String, String>;
 

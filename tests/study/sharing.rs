@@ -1,7 +1,7 @@
 //! Studies in folders that other processes, or their users, write in as well.
 
-use crate::desk::Desk;
 use crate::kit::folder;
+use crate::study::desk::Desk;
 
 /// Processes that are started at the same time.
 const AT_ONCE: usize = 12;

@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 
-use crate::desk::{Desk, SMALL};
 use crate::kit::folder;
 use crate::kit::program::{expect, wait_until};
+use crate::study::desk::{Desk, SMALL};
 use serde_json::{Value, json};
 
 #[test]

@@ -4,8 +4,8 @@ use std::fs;
 use std::os::unix::fs::symlink;
 use std::process::Command;
 
-use crate::desk::Desk;
 use crate::kit::folder;
+use crate::study::desk::Desk;
 use xcscr::streams::StreamName;
 use xcscr::xcs::random::Stream;
 
@@ -98,6 +98,7 @@ fn what_is_not_finished_is_not_merged_and_status_tells_the_tasks() {
     assert!(!desk.path("split/result").exists());
 }
 
+#[cfg(feature = "long")]
 #[test]
 fn killed_at_any_moment_a_study_keeps_what_it_finished_and_runs_none_of_it_again() {
     let desk = Desk::new();

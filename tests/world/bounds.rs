@@ -8,7 +8,7 @@ use xcscr::world::{Cell, Maze};
 use xcscr::xcs::{Action, Percept};
 
 use crate::kit::trial::maze;
-use crate::worlds::drawn;
+use crate::world::worlds::drawn;
 
 fn tiny(moves: u8, rows: &[&str]) -> Maze {
     drawn(serde_json::json!({ "moves": moves }), rows)

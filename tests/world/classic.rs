@@ -6,7 +6,7 @@ use xcscr::sensor::Sensor;
 use xcscr::world::{Cell, Facts, Maze, Moves, Paths};
 
 use crate::kit::trial::maze as shipped;
-use crate::worlds::{files, root};
+use crate::world::worlds::{files, root};
 
 /// Name, start cells, steps of the shortest ways from all of them together, and group: computed
 /// by another program (breadth-first search over the rows as text).

@@ -7,7 +7,7 @@ use xcscr::arena::{Arena, Estimate, GridArena, Localisation, PhysicsArena};
 use xcscr::world::{Cell, Maze};
 
 use crate::kit::tally::script;
-use crate::worlds::drawn;
+use crate::world::worlds::drawn;
 
 /// The pose of the grid in the map: x and y in metres, and the yaw in radians.
 const ORIGIN: [f64; 3] = [-12.5, 3.75, 0.6];

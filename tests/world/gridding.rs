@@ -2,7 +2,8 @@
 
 use xcscr::world::{Gridding, MapError, Maze};
 
-use crate::maps::{Map, plain, rows};
+use crate::kit::chance::rounds;
+use crate::world::maps::{Map, plain, rows};
 
 /// A map of square cells, `cell` pixels wide, each with a black pixel in its upper left corner
 /// unless `is_free` says otherwise of its column and row.
@@ -218,7 +219,8 @@ fn unmarked(maze: &Maze) -> Vec<String> {
 #[test]
 fn erased_noise_does_not_make_walls_and_a_door_of_one_metre_is_found_with_half_metre_cells() {
     let office = Office::new();
-    for (shift, noise) in [([0, 0], 0), ([0, 0], 200), ([3, 7], 200), ([9, 1], 300)] {
+    let cases = [([3, 7], 0), ([3, 7], 200), ([0, 0], 200), ([9, 1], 300)];
+    for (shift, noise) in cases.into_iter().take(rounds([2, 4, 4])) {
         let map = office.map(shift, noise);
         let x = 0.05 * shift[0] as f64;
         let gridding = Gridding {

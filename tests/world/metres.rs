@@ -10,7 +10,7 @@ use xcscr::world::Maze;
 use xcscr::xcs::Action;
 
 use crate::kit::tally;
-use crate::worlds::drawn;
+use crate::world::worlds::drawn;
 
 const SIZES_M: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 const LENGTH_M: f64 = 8.0;

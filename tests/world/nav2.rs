@@ -5,7 +5,7 @@ use png::{BitDepth, ColorType};
 use xcscr::world::{Occupancy, OccupancyMap};
 use xcscr::xcs::random::Stream;
 
-use crate::maps::Map;
+use crate::world::maps::Map;
 
 /// What an image holds of a pixel, as 16-bit channels: red, green, blue, and the opacity.
 type Channels = ([u16; 3], Option<u16>);

@@ -1,12 +1,12 @@
 //! The robot that knows only what it senses: it drives where it is told to, notices walls and
 //! goals, makes out its surroundings, and does the same again, to the bit.
 //!
-//! The counts are small; `SENSING_MOVES=100000 cargo test --release --test world sensing` runs the whole
-//! claim. Each mechanism has its control: without it the same course goes wrong.
+//! The counts are small; `SENSING_MOVES=100000 cargo test --release --test suite world::sensing` runs the
+//! whole claim. Each mechanism has its control: without it the same course goes wrong.
 
 use crate::kit::tally::{Tally, mean, quantile, script, true_cell};
 use crate::kit::trial::maze;
-use crate::worlds::drawn;
+use crate::world::worlds::drawn;
 use xcscr::agent::Method;
 use xcscr::arena::{
     Arena, CautiousDriving, FaultParams, Localisation, PhysicsArena, PhysicsParams,
@@ -254,8 +254,7 @@ fn sensors_break_in_the_episode_that_was_said() {
     let mut sound = arena("maze5", &senses(1.0), 3);
     let mut broken = arena("maze5", &breaks(), 3);
     for number in 1..=4 {
-        let found = episode(&mut broken, number);
-        let is_sound = episode(&mut sound, number) == found;
+        let is_sound = episode(&mut sound, number) == episode(&mut broken, number);
         assert_eq!(is_sound, number < 3, "episode {number}");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::kit::tally::Tally;
 use crate::kit::trial::maze;
-use crate::sensing::{MAZES, moves};
+use crate::world::sensing::{MAZES, moves};
 use xcscr::arena::{Localisation, PhysicsArena, PhysicsParams};
 use xcscr::trial::{RobotProfile, Settings};
 use xcscr::world::Maze;

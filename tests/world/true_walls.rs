@@ -11,7 +11,7 @@ use xcscr::xcs::random::Stream;
 
 use crate::kit::flat::{self, Flat};
 use crate::kit::tally::{mean, script};
-use crate::sensing_robots::profile;
+use crate::world::sensing_robots::profile;
 
 /// A small robot without noise, whose pose is known.
 fn burger() -> PhysicsParams {

@@ -21,19 +21,16 @@ const DOCUMENTS: [&str; 6] = [
     "report.md",
     "report.html",
 ];
-/// The figures, each as SVG and PNG.
-const FIGURES: [&str; 2] = ["curves", "episodes"];
+/// The figures.
+const FIGURES: [&str; 2] = ["curves.svg", "episodes.svg"];
 
 /// Returns true if a study generates a file of this name.
 pub fn is_output(name: &str) -> bool {
     outputs().any(|output| output == name)
 }
 
-fn outputs() -> impl Iterator<Item = String> {
-    let figures = FIGURES
-        .iter()
-        .flat_map(|name| ["svg", "png"].map(|end| format!("{name}.{end}")));
-    DOCUMENTS.into_iter().map(str::to_owned).chain(figures)
+fn outputs() -> impl Iterator<Item = &'static str> {
+    DOCUMENTS.into_iter().chain(FIGURES)
 }
 
 /// Returns the error of the file behind a table. The conversion of the library hides its kind.

@@ -15,7 +15,7 @@ use xcscr::xcs::Percept;
 use super::program::{compile_c, fed};
 use super::text;
 use crate::kit::flat::Flat;
-use crate::learned::learned;
+use crate::learner::learned::learned;
 
 /// For each line with a point of the map frame and the size of a cell: the percept of the map, and
 /// that with something in the east of the robot.

@@ -12,7 +12,7 @@ use xcscr::world::Cell;
 use super::program::{compile_c, fed};
 use super::text;
 use crate::kit::flat::{self, Flat};
-use crate::learned::{Learned, learned};
+use crate::learner::learned::{Learned, learned};
 
 /// The policy of a TurtleBot3 in the flat.
 fn learned_flat() -> std::sync::Arc<Learned> {

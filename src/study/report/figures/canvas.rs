@@ -5,10 +5,8 @@ use plotters::coord::ranged1d::Ranged;
 use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::*;
 use plotters::style::text_anchor::Pos;
-use plotters::style::{FontStyle, register_font};
 
 use super::theme::{CENTRED, FROM_LEFT, colour, line, text};
-use crate::picture::FONT;
 
 /// Width and height in pixels.
 pub type Size = (i32, i32);
@@ -33,8 +31,6 @@ pub trait Drawing {
 
 /// Renders a drawing as an SVG document.
 pub fn svg(drawing: &dyn Drawing) -> Result<String, String> {
-    let registered = register_font("sans-serif", FontStyle::Normal, FONT);
-    registered.map_err(|_| "the embedded font cannot be read")?;
     let mut text = String::new();
     let (width, height) = drawing.size();
     let size = (width.unsigned_abs(), height.unsigned_abs());

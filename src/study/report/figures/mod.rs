@@ -1,4 +1,4 @@
-//! Figures of a study, as SVG and PNG. Only this module uses the drawing library.
+//! Figures of a study, as SVG. Only this module uses the drawing library.
 
 mod canvas;
 mod curves;
@@ -12,7 +12,6 @@ use episodes::Episodes;
 use panels::Panels;
 
 use crate::page::Picture;
-use crate::picture::png;
 use crate::study::analysis::summary::ArmRecords;
 use crate::study::store::StudyFolder;
 use crate::{Error, ErrorKind};
@@ -48,8 +47,6 @@ fn draw(
 ) -> Result<Picture, Error> {
     let fault = |fault: String| ErrorKind::Internal.error(format!("cannot draw {name}: {fault}"));
     let svg = canvas::svg(drawing).map_err(fault)?;
-    let png = png(&svg).map_err(fault)?;
     folder.write(&format!("{name}.svg"), svg.as_bytes())?;
-    folder.write(&format!("{name}.png"), &png)?;
     Ok(Picture { name, caption, svg })
 }

@@ -48,6 +48,30 @@ fn a_reset_arena_continues_like_a_new_one_with_the_same_clock_and_noise() {
 }
 
 #[test]
+fn sensing_draws_from_streams_of_its_own() {
+    let wheels = |dropouts| {
+        let mut params = PhysicsParams {
+            localisation: Localisation::Estimated,
+            position_noise_m: 0.0,
+            heading_noise_rad: 0.0,
+            ..PhysicsParams::default()
+        };
+        params.lidar.dropouts = dropouts;
+        let mut robot = arena("", &params, 1).unwrap();
+        for action in [1, 1, 2].map(|action| Action::new(action).unwrap()) {
+            robot.act(action);
+        }
+        (robot.robot.steps, robot.robot.noise.stream)
+    };
+    let ((steps, usual), (other_steps, other)) = (wheels(0.0), wheels(0.2));
+    assert_eq!(
+        steps, other_steps,
+        "choose other actions: the courses differ"
+    );
+    assert_eq!(usual, other);
+}
+
+#[test]
 fn a_world_that_cannot_be_simulated_is_refused_with_a_hint() {
     for settings in [r#""moves": 8,"#, r#""wrap": true,"#] {
         let error = arena(settings, &PhysicsParams::default(), 1).map(|_| ());

@@ -1,17 +1,13 @@
 //! Studies: whole, in tasks; interrupted, mixed up, and on files that come late.
 
-#![allow(clippy::unwrap_used, reason = "a test ends there")]
-
-#[path = "../kit/mod.rs"]
-mod kit;
-
 mod desk;
 mod episodes;
 mod extension;
+#[cfg(feature = "long")]
 mod late_files;
 mod own_agents;
 mod reports;
-#[cfg(unix)]
+#[cfg(all(unix, feature = "long"))]
 mod sharing;
 mod studies;
 #[cfg(unix)]

@@ -1,17 +1,14 @@
 //! The program as its users run it, on whatever files, disks and arguments.
 
-#![allow(clippy::unwrap_used, reason = "a test ends there")]
-
-#[path = "../kit/mod.rs"]
-mod kit;
-
-#[cfg(unix)]
+#[cfg(all(unix, feature = "long"))]
 mod budget;
 mod command_line;
 mod config;
 mod disks;
+#[cfg(feature = "long")]
 mod docs;
 mod escapes;
+#[cfg(feature = "long")]
 mod extremes;
 mod faults;
 mod hostile;

@@ -1,10 +1,5 @@
 //! The world and the robot in it: files of worlds, maps, distances, arenas, and what is sensed.
 
-#![allow(clippy::unwrap_used, reason = "a test ends there")]
-
-#[path = "../kit/mod.rs"]
-mod kit;
-
 mod bounds;
 mod classic;
 mod frames;

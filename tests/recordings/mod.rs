@@ -1,10 +1,5 @@
 //! Recordings: what they must be, what becomes of broken ones, and how they are looked at.
 
-#![allow(clippy::unwrap_used, reason = "a test ends there")]
-
-#[path = "../kit/mod.rs"]
-mod kit;
-
 /// Arguments of `train` for the runs that most tests look at.
 const PHYSICS: &str = "maze4 --episodes 5";
 const GRID: &str = "maze4 --arena grid --episodes 12";

@@ -1,10 +1,5 @@
 //! What is learned, how, how well, and what becomes of it.
 
-#![allow(clippy::unwrap_used, reason = "a test ends there")]
-
-#[path = "../kit/mod.rs"]
-mod kit;
-
 mod ceilings;
 mod driving;
 mod examples;
