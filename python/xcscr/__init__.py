@@ -6,6 +6,7 @@
 >>> result = xcscr.train("maze4", arena="grid", episodes=20)
 """
 
+from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 from gymnasium.envs.registration import register, registry
@@ -45,7 +46,7 @@ __all__ = [
     "train",
     "verify_recording",
 ]
-__version__ = "0.1.0"
+__version__ = metadata.version("xcscr")
 
 
 def __getattr__(name: str) -> Any:
