@@ -17,10 +17,21 @@ pub fn sparkline(numbers: &[u32]) -> String {
     means.into_iter().map(|mean| BARS[level(mean)]).collect()
 }
 
+/// Draws a cross below each bar of a [`sparkline`] with an episode that is marked.
+pub fn marks(marked: &[bool]) -> String {
+    let bars = marked.len().min(MOST);
+    let mark = |bar: usize| match part(marked, bar, bars).contains(&true) {
+        true => '×',
+        false => ' ',
+    };
+    let marks: String = (0..bars).map(mark).collect();
+    marks.trim_end().to_owned()
+}
+
 /// Returns part `number` of `parts` nearly equal parts.
-fn part(numbers: &[u32], number: usize, parts: usize) -> &[u32] {
-    let cut = |at: usize| at * numbers.len() / parts;
-    &numbers[cut(number)..cut(number + 1)]
+fn part<T>(all: &[T], number: usize, parts: usize) -> &[T] {
+    let cut = |at: usize| at * all.len() / parts;
+    &all[cut(number)..cut(number + 1)]
 }
 
 /// Returns the mean of numbers; 0 if there are none.
@@ -32,6 +43,14 @@ pub fn mean(numbers: &[u32]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_bar_with_a_marked_episode_has_a_cross_below_it() {
+        assert_eq!(marks(&[true, false, true, false]), "× ×");
+        let mut many = [false; 96];
+        many[95] = true;
+        assert_eq!(marks(&many), " ".repeat(47) + "×");
+    }
 
     #[test]
     fn a_curve_falls_as_its_numbers_do_and_never_grows_too_wide() {

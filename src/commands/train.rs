@@ -118,12 +118,13 @@ pub fn run(args: &TrainArgs, out: &mut Results) -> Result<(), Failure> {
         folder,
         recording,
         steps,
+        missed,
     } = finished?;
     let report = TrainReport::new(&trial, folder.path());
     if args.json {
         return print_json(&report, out);
     }
-    report.print(&trial, &steps, &recording, out)
+    report.print(&trial, (&steps, &missed), &recording, out)
 }
 
 fn begin(args: &TrainArgs) -> Result<(Session, Interrupt), Failure> {

@@ -13,7 +13,7 @@ use xcscr::world::{Cell, Facts, Maze};
 
 use super::failure::Failure;
 use super::results::Results;
-use super::sparkline::sparkline;
+use super::sparkline::{marks, sparkline};
 use super::terminal::{file_link, print_maze, write_link, write_row};
 
 /// The legend of the drawn maze.
@@ -117,7 +117,7 @@ impl TrainReport {
     pub fn print(
         &self,
         trial: &Trial,
-        steps_per_episode: &[u32],
+        (steps_per_episode, missed): (&[u32], &[bool]),
         recording: &RecordSummary,
         out: &mut Results,
     ) -> Result<(), Failure> {
@@ -143,6 +143,9 @@ impl TrainReport {
         write_row(out, "steps chosen by", self.chosen)?;
         write_row(out, self.counted, self.rule_counts())?;
         write_row(out, "steps per episode", sparkline(steps_per_episode))?;
+        if missed.contains(&true) {
+            write_row(out, "missed the goal", marks(missed))?;
+        }
         self.print_files(recording, out)
     }
 

@@ -7,12 +7,12 @@ use super::error;
 use super::facts::run_info;
 use super::folder::RunFolder;
 use super::page::page_of;
-use crate::episode::Observer;
+use crate::episode::{Ending, Observer};
+use crate::{Error, ErrorKind};
 use crate::picture::{Camera, Look, Stages};
 use crate::record::resume_hint::resume_hint;
 use crate::record::{RecordMode, RecordSummary, Recorder};
 use crate::trial::Trial;
-use crate::{Error, ErrorKind};
 
 /// The most cells of a maze of which a training writes the picture of the action values.
 const MOST_PICTURED_CELLS: usize = 1 << 12;
@@ -25,6 +25,8 @@ pub struct Session {
     camera: Camera,
     /// The number of steps of each episode so far.
     steps: Vec<u32>,
+    /// For each episode so far, true if it did not reach a goal.
+    missed: Vec<bool>,
 }
 
 /// The result of resuming a run.
@@ -45,6 +47,8 @@ pub struct Finished {
     pub recording: RecordSummary,
     /// The number of steps of each episode.
     pub steps: Vec<u32>,
+    /// For each episode, true if it did not reach a goal.
+    pub missed: Vec<bool>,
 }
 
 impl Session {
@@ -89,6 +93,7 @@ impl Session {
             trial,
             recorder,
             steps: Vec::new(),
+            missed: Vec::new(),
         }
     }
 
@@ -140,6 +145,7 @@ impl Session {
             folder: self.folder,
             recording,
             steps: self.steps,
+            missed: self.missed,
         })
     }
 
@@ -152,6 +158,7 @@ impl Session {
             let mut observers = ((&mut self.recorder, &mut self.camera), &mut *observer);
             let (episode, flow) = self.trial.run_episode(&mut observers);
             self.steps.push(episode.steps);
+            self.missed.push(episode.ending != Ending::Goal);
             self.recorder.check()?;
             if flow == ControlFlow::Break(()) || stop() {
                 return Err(self.interrupted());

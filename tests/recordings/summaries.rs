@@ -45,7 +45,10 @@ fn a_training_ends_with_policy_legend_curve_and_links_and_on_failure_with_the_gr
     for words in ["  it takes             ", "  short-term filter    "] {
         assert!(failed.contains(words), "{failed}");
     }
+    let missed = report("--method q-learning --episodes 3 --set reward.step_threshold=12");
+    assert!(missed.contains("  missed the goal      ×"), "{missed}");
     let solved = report("--episodes 20");
+    assert!(!solved.contains("missed the goal"), "control: {solved}");
     for words in [
         "10 steps, 3 such paths",
         "globally optimal",

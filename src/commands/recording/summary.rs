@@ -9,7 +9,7 @@ use xcscr::record::{RecordingKind, RunKind};
 
 use crate::commands::failure::Failure;
 use crate::commands::results::Results;
-use crate::commands::sparkline::{mean, sparkline};
+use crate::commands::sparkline::{marks, mean, sparkline};
 use crate::commands::terminal::write_row;
 
 /// The number of episodes at the beginning and at the end that are compared.
@@ -72,6 +72,11 @@ pub fn print(
         write_row(out, "rules", rules)?;
     }
     write_row(out, "steps per episode", sparkline(&steps))?;
+    let missed = episodes.iter().map(|one| one.outcome != "goal");
+    let missed: Vec<bool> = missed.collect();
+    if missed.contains(&true) {
+        write_row(out, "missed the goal", marks(&missed))?;
+    }
     print_files(folder, run, files, out)
 }
 

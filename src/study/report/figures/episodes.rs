@@ -10,6 +10,8 @@ use crate::study::analysis::learning::CurvePoint;
 const PANEL: Size = (360, 300);
 const TOP: i32 = 36;
 const ROW: i32 = 17;
+/// The maximum number of panels side by side.
+const COLUMNS: i32 = 3;
 
 /// A panel for each place, with the mean steps of each episode and their interval for each series.
 #[derive(Debug)]
@@ -37,8 +39,10 @@ impl<'a> Episodes<'a> {
 
 impl Drawing for Episodes<'_> {
     fn size(&self) -> Size {
-        let (columns, rows) = self.panels.size();
-        let high = PANEL.1.max(rows * ROW + 40);
+        let (panels, names) = self.panels.size();
+        let columns = panels.min(COLUMNS);
+        let rows = (panels + COLUMNS - 1) / COLUMNS;
+        let high = (rows * PANEL.1).max(names * ROW + 40);
         (self.names_width() + columns * PANEL.0 + 10, TOP + high + 10)
     }
 
@@ -54,7 +58,8 @@ impl Drawing for Episodes<'_> {
 
 impl Episodes<'_> {
     fn panel(&self, canvas: &Canvas<'_>, place: usize) -> Drawn {
-        let corner = (self.names_width() + place as i32 * PANEL.0, TOP);
+        let (column, row) = (place as i32 % COLUMNS, place as i32 / COLUMNS);
+        let corner = (self.names_width() + column * PANEL.0, TOP + row * PANEL.1);
         let curves = 0..self.panels.series.len();
         let highest = curves.clone().flat_map(|series| self.curve(place, series));
         let highest = highest.map(|point| point.high).fold(1.0, f64::max);
