@@ -126,13 +126,6 @@ impl<C: Representation> Xcs<C> {
         fits
     }
 
-    /// Forms \[M\] without covering.
-    pub fn match_without_covering(&self, percept: &C::Percept, set: &mut MatchSet<C>) {
-        set.clear(percept);
-        self.population
-            .for_each_match(percept, |id, rule| set.add(id, rule));
-    }
-
     /// Returns \[P\].
     pub fn population(&self) -> &Population<C> {
         &self.population

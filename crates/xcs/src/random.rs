@@ -84,13 +84,6 @@ impl Stream {
         (sum as f64 - 12.0 * 32_767.5) / 65_536.0
     }
 
-    /// Shuffles `items` uniformly (Fisher and Yates).
-    pub fn shuffle<T>(&mut self, items: &mut [T]) {
-        for left in (2..=items.len()).rev() {
-            items.swap(left - 1, self.below(left));
-        }
-    }
-
     /// Returns a uniformly chosen element of `items`; `None` if there is none.
     pub fn choose<'a, T>(&mut self, items: &'a [T]) -> Option<&'a T> {
         if items.is_empty() {
