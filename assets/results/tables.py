@@ -11,7 +11,7 @@ import json
 import re
 import sys
 from pathlib import Path
-from statistics import mean
+from statistics import mean, stdev
 
 import ablation
 import aggregate
@@ -31,6 +31,17 @@ GROUPS = {
     "group I": "littman57 littman89 mazeb mazed miyazakia",
     "group II": "mazee1 mazee2 woods100 woods101 woods101demi woods102",
     "group III": "lab1 maze10 maze7 mazee3 mazef4 mazef8 mazef9 miyazakib sutton",
+}
+BEACS = {  # mean steps after 1,000 episodes, one trial
+    "littman57": 5.85,
+    "mazee1": 6.91,
+    "mazee2": 6.62,
+    "woods100": 2.31,
+    "woods101": 3.05,
+    "woods102": 4.02,
+    "maze10": 5.96,
+    "maze7": 4.34,
+    "mazef4": 4.43,
 }
 GROUPS = {name: worlds.split() for name, worlds in GROUPS.items()}
 
@@ -124,6 +135,42 @@ def aliased():
             own = of_group("aliased", method, worlds)
             rows.append([group, len(worlds), f"{full:.2f}", f"{unknown:.2f}", f"`{method}`", f"{mean(arm['mean_greedy_steps'] for arm in own):.2f}", sum(arm["retained"] for arm in own), sum(arm["trials"] for arm in own), f"{mean(arm['mean_rules'] for arm in own):.0f}"])
     return table(head, rows)
+
+
+def history():
+    bounds = json.loads((HERE / "bounds.json").read_text())
+    head = ["mazes", "number", "unknown-start optimum", "earlier steps", "steps after 100 episodes", "worst maze", "mazes at the optimum", "rules"]
+    rows = []
+    for group, worlds in GROUPS.items():
+        unknown = mean(bounds[world]["belief"]["steps"] for world in worlds)
+        for steps in range(2):
+            own = of_group("history", "xcscr-plus", worlds, f"sensor.history={steps}")
+            ratios = [arm["mean_greedy_steps"] / bounds[arm["world"]]["belief"]["steps"] for arm in own]
+            found = sum(ratio < 1.005 for ratio in ratios)
+            rows.append([group, len(worlds), f"{unknown:.2f}", steps, f"{mean(arm['mean_greedy_steps'] for arm in own):.2f}", f"{max(ratios):.2f}", found, f"{mean(arm['mean_rules'] for arm in own):.0f}"])
+    return table(head, rows)
+
+
+def beacs():
+    bounds = json.loads((HERE / "bounds.json").read_text())
+    head = ["maze", "unknown-start optimum", "with maps", "no earlier step", "one", "BEACS"]
+    rows = []
+    for world, published in BEACS.items():
+        steps = [of_group("history", "xcscr-plus", [world], f"sensor.history={steps}") for steps in range(2)]
+        means = [of_group("aliased", "xcscr-plus", [world])] + steps
+        rows.append([f"`{world}`", f"{bounds[world]['belief']['steps']:.2f}"] + [f"{arm[0]['mean_greedy_steps']:.2f}" for arm in means] + [published])
+    return table(head, rows)
+
+
+def office():
+    conditions = {"noise2": "noise 2", "noise3": "noise 3", "encoder": "stuck encoder", "sector": "dead sector 90 deg"}
+    before = {"noise2": 77, "noise3": 23, "encoder": 78, "sector": 61}
+    seeds = json.loads((HERE / "office.json").read_text())
+    rows = []
+    for name, words in conditions.items():
+        own = [seed[name] for seed in seeds.values()]
+        rows.append([words, len(own), f"{mean(own):.1f} %", f"{stdev(own):.1f}", f"{min(own)} %", f"{before[name]} %"])
+    return table(["condition", "seeds", "mean of the policies", "standard deviation", "worst policy", "earlier program"], rows)
 
 
 def slips():
