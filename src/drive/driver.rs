@@ -127,7 +127,8 @@ impl Driver {
                 setup.knowledge.clone(),
                 maze.action_count(),
                 setup.step_threshold,
-            ),
+            )
+            .with_detours(setup.sensor, maze),
             greedy: Explorer::new(0.0, Stream::new(setup.seed, StreamName::Exploration)),
             phase: Phase::Waiting,
             since_ns: 0,

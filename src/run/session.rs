@@ -8,11 +8,11 @@ use super::facts::run_info;
 use super::folder::RunFolder;
 use super::page::page_of;
 use crate::episode::{Ending, Observer};
-use crate::{Error, ErrorKind};
 use crate::picture::{Camera, Look, Stages};
 use crate::record::resume_hint::resume_hint;
 use crate::record::{RecordMode, RecordSummary, Recorder};
 use crate::trial::Trial;
+use crate::{Error, ErrorKind};
 
 /// The most cells of a maze of which a training writes the picture of the action values.
 const MOST_PICTURED_CELLS: usize = 1 << 12;

@@ -4,11 +4,16 @@ use serde::Serialize;
 
 use super::statistics::{Interval, Proportion};
 use crate::Error;
-use crate::agent::Knowledge;
+use crate::agent::{Frozen, Knowledge};
 use crate::arena::{ArenaKind, FaultParams, View};
-use crate::episode::{Observer, Step};
+use crate::episode::{Observer, PolicyMap, Step};
 use crate::run;
 use crate::trial::{Config, Plan};
+
+/// The side in metres of the box on the route.
+const BOX_M: f64 = 0.4;
+/// The condition with the box. It exists only in worlds from maps.
+const WITH_BOX: &str = "one box on the route";
 
 /// What a condition requires of a run.
 #[derive(Debug, Clone, Copy)]
@@ -185,8 +190,49 @@ impl Robustness {
                 }
             }
         }
+        if plan.maze.is_from_map() && plan.config.arena == ArenaKind::Physics {
+            found.add_box(&plan, knowledge, (episodes, stop))?;
+        }
         Ok(found)
     }
+
+    /// Adds the condition with a box that is not in the map of the robot.
+    fn add_box(
+        &mut self,
+        plan: &Plan,
+        knowledge: &Knowledge,
+        drives: (u32, &dyn Fn() -> bool),
+    ) -> Result<(), Error> {
+        match with_box(plan, knowledge) {
+            Some(plan) => {
+                let result = ConditionResult::of(WITH_BOX, &plan, knowledge, drives)?;
+                self.conditions.push(result);
+            }
+            None => self.left_out.push(LeftOut {
+                condition: WITH_BOX,
+                reason: "no box on the route leaves another way",
+            }),
+        }
+        Ok(())
+    }
+}
+
+/// Returns the plan with a box in the middle of the way that the policy takes from the start, or as
+/// near to the middle as it leaves another way.
+fn with_box(plan: &Plan, knowledge: &Knowledge) -> Option<Plan> {
+    let Plan { maze, config } = plan;
+    let policy = Frozen::new(knowledge.clone(), maze.action_count(), 1);
+    let policy = PolicyMap::of(&policy, config.sensor, maze);
+    let route = policy.greedy_path(maze, maze.start()?);
+    let mut places: Vec<usize> = (0..route.len()).collect();
+    places.sort_by_key(|at| at.abs_diff(route.len() / 2));
+    let boxed = places
+        .into_iter()
+        .find_map(|at| maze.with_box(route[at], BOX_M));
+    boxed.map(|maze| Plan {
+        maze,
+        config: config.clone(),
+    })
 }
 
 impl ConditionResult {

@@ -2,6 +2,7 @@
 
 use crate::kit::chance::rounds;
 use crate::kit::desk::Desk;
+use crate::kit::flat::Flat;
 use serde_json::Value;
 
 /// A run in Maze4 by a robot that senses.
@@ -147,4 +148,16 @@ fn conditions_that_cannot_apply_are_named_with_the_reason() {
     let blind = "--arena physics --sensor lidar --json --set physics.lidar.fitted=false";
     let blind = desk.json(&format!("{sweep} {blind}"));
     assert_eq!(names(&blind["left_out"]), ["dead sector 90 deg"]);
+}
+
+#[test]
+fn in_a_world_from_a_map_a_box_stands_on_the_route() {
+    let desk = Desk::new();
+    let maze = Flat::new().gridded(0.5).maze;
+    desk.write("flat.json", maze.to_json());
+    desk.ok("train @flat.json --robot turtlebot3-burger --record none --episodes 40 --out @run");
+    let table = desk.json("evaluate @run --robustness --json --episodes 10");
+    assert_eq!(names(&table["conditions"]).len(), 18, "{table}");
+    let found = number(&table, "one box on the route", "successes");
+    assert!(found >= 9.0, "{table}");
 }

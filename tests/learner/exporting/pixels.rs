@@ -4,10 +4,11 @@ use std::fs;
 use std::process::Command;
 
 use xcscr::agent::Method;
+use xcscr::episode::{Observer, Step};
 use xcscr::export::Target;
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Evaluation, Plan, RobotProfile, Settings};
-use xcscr::world::Cell;
+use xcscr::world::{Cell, Maze};
 
 use super::program::{compile_c, fed};
 use super::text;
@@ -91,4 +92,39 @@ fn a_policy_learned_in_a_map_drives_in_its_pixels_as_in_the_simulator() {
     assert_eq!(contacts, 0);
     let (_, contacts) = driven(&text(&learned, Target::C99), 0.35);
     assert!(contacts > 0, "control: a larger disc touches something");
+}
+
+/// The true cells of the robot after its steps.
+#[derive(Default)]
+struct Visited(Vec<Cell>);
+
+impl Observer for Visited {
+    fn stepped(&mut self, step: &Step<'_>) {
+        let at = step.view.now().robot_in_map.translation.vector;
+        self.0.extend(step.view.maze.cell_at(at.into()));
+    }
+}
+
+#[test]
+fn a_box_that_is_not_in_the_map_is_seen_and_the_robot_takes_another_way() {
+    let learned = learned_flat();
+    let route = path(&learned);
+    let at = route[route.len() / 2];
+    let drives = |maze: Maze| {
+        let plan = Plan {
+            maze,
+            config: learned.plan.config.clone(),
+        };
+        let mut visited = Visited::default();
+        let found = Evaluation::observed(&plan, &learned.knowledge, 4, &mut visited).unwrap();
+        (found, visited.0.contains(&at))
+    };
+    let (unchanged, was_there) = drives(learned.plan.maze.clone());
+    assert!(
+        unchanged.is_optimal() && was_there,
+        "control: {unchanged:?}"
+    );
+    let boxed = learned.plan.maze.with_box(at, 0.4).unwrap();
+    let (found, was_there) = drives(boxed);
+    assert_eq!((found.successes, was_there), (4, false), "{found:?}");
 }

@@ -85,11 +85,15 @@ impl Config {
         WithHistory::around(agent, History::new(self.perception(), maze))
     }
 
-    /// Returns an agent that follows knowledge in a maze without learning.
+    /// Returns an agent that follows knowledge in a maze without learning. In a world from a map it takes other ways
+    /// around obstacles; with a history it does not.
     pub fn policy(&self, knowledge: Knowledge, maze: &Maze) -> Box<dyn Agent> {
         let limit = self.settings.reward.step_threshold;
         let frozen = Frozen::new(knowledge, maze.action_count(), limit);
-        self.with_history(Box::new(frozen), maze)
+        match self.settings.sensor.history {
+            0 => Box::new(frozen.with_detours(self.sensor, maze)),
+            _ => self.with_history(Box::new(frozen), maze),
+        }
     }
 
     /// Returns true if the robot only knows its sensor readings, not its true pose.

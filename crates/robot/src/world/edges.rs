@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::direction::Direction;
 use super::maze::{Auxiliary, Cell, Maze};
+use super::solid::Solid;
 
 impl Maze {
     /// Returns the radius in metres of the disc that stays clear on every move; `None` in a maze,
@@ -56,6 +57,14 @@ impl Maze {
         }
         let mut solid = (*self.solid).clone();
         solid.radius_m = radius_m;
+        self.with_solid(solid)
+    }
+
+    /// Returns the same cells, start and goals among walls of another shape, with every cell and
+    /// move that is clear. Cells that cannot reach a goal become walls. Returns `None` if start and
+    /// goal are no such cells, or not connected.
+    pub(super) fn with_solid(&self, solid: Solid) -> Option<Self> {
+        let radius_m = solid.radius_m;
         let is_inner = |cell: Cell| {
             (1..self.width - 1).contains(&cell.col) && (1..self.height - 1).contains(&cell.row)
         };

@@ -178,6 +178,7 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
         width: rows.width(),
         height: rows.height(),
         solid: Maze::solid_cells(&walls, rows.width(), cell_size_m),
+        obstructed: None,
         walls,
         open: None,
         start: rows.starts.first().copied(),

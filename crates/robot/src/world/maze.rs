@@ -55,6 +55,8 @@ pub struct Maze {
     pub(super) walls: Arc<[bool]>,
     /// The true shape of the walls: in a maze the cells themselves.
     pub(super) solid: Arc<Solid>,
+    /// The walls and the obstacles that the robot's map does not have; `None` without obstacles.
+    pub(super) obstructed: Option<Arc<Solid>>,
     /// In a world from a map: one bit for each direction, clockwise from north, set if the move is
     /// clear of walls. `None` in a maze.
     pub(super) open: Option<Arc<[u8]>>,

@@ -19,6 +19,7 @@ mod location;
 mod maze;
 mod name;
 mod near;
+mod obstacle;
 mod occupancy;
 mod origin;
 mod paths;

@@ -1,5 +1,8 @@
 //! An agent that follows learned knowledge without learning.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
+
 use serde::Serialize;
 
 use crate::agent::credit::credit_of_rules;
@@ -7,6 +10,8 @@ use crate::agent::knowledge::Knowledge;
 use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Explorer, StepCredit};
 use xcs::{Action, Condition, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
+use xcscr_robot::sensor::Sensor;
+use xcscr_robot::world::{Cell, Maze};
 
 /// A frozen method: it acts on its knowledge and changes nothing.
 #[derive(Debug, Clone, Serialize)]
@@ -17,6 +22,73 @@ pub struct Frozen {
     /// The last percept.
     #[serde(skip)]
     percept: Option<Percept>,
+    /// `None` if the agent always takes the best action.
+    #[serde(skip)]
+    detours: Option<Detours>,
+}
+
+/// The number of visits after which a cell comes after others. A collision on the way to a cell
+/// counts as so many visits.
+const VISITS: u32 = 2;
+
+/// Other ways around moves that are blocked. A move to a cell that was visited twice in this episode,
+/// or to which a collision barred the way, comes after all others. So a robot in front of a box
+/// neither repeats the move nor turns back and forth for ever. Without obstacles a policy comes to
+/// each cell once.
+#[derive(Debug, Clone)]
+struct Detours {
+    maze: Maze,
+    /// The number of bits of the percept for each action. Its second bit is set, and its first is
+    /// not, if the percept shows that the move is closed. 0 if the percept shows no moves.
+    bits: usize,
+    /// The numbers of bits that show column and row. They are the last ones of the percept.
+    place_bits: [usize; 2],
+    visits: BTreeMap<Cell, u32>,
+    collisions: BTreeMap<(Cell, Action), u32>,
+}
+
+impl Detours {
+    /// Returns the cell that the percept shows.
+    fn cell(&self, percept: &Percept) -> Cell {
+        let end = percept.width();
+        let [of_col, of_row] = self.place_bits;
+        let number = |bits: Range<usize>| {
+            bits.fold(0, |number, at| number << 1 | u16::from(percept.bit(at)))
+        };
+        Cell {
+            col: number(end - of_row - of_col..end - of_row),
+            row: number(end - of_row..end),
+        }
+    }
+
+    /// Returns true if the percept shows that the move of an action is closed.
+    fn is_closed(&self, percept: &Percept, action: Action) -> bool {
+        let first = self.bits * action.index();
+        self.bits > 0 && !percept.bit(first) && percept.bit(first + 1)
+    }
+
+    /// Returns how late an action comes: 0 for the first ones.
+    fn level(&self, cell: Cell, action: Action) -> u32 {
+        let direction = self.maze.direction(action);
+        let next = direction.and_then(|direction| self.maze.neighbour(cell, direction));
+        let visits = next.and_then(|next| self.visits.get(&next)).unwrap_or(&0);
+        let collisions = self.collisions.get(&(cell, action)).unwrap_or(&0);
+        visits / VISITS + collisions
+    }
+
+    /// Returns the open actions that come first. If all are closed, all count as open.
+    fn candidates(&self, percept: &Percept) -> Vec<Action> {
+        let all = Action::all(self.maze.action_count());
+        let is_open = |action: &Action| !self.is_closed(percept, *action);
+        let mut open: Vec<Action> = all.clone().filter(is_open).collect();
+        if open.is_empty() {
+            open = all.collect();
+        }
+        let cell = self.cell(percept);
+        let least = open.iter().map(|&action| self.level(cell, action)).min();
+        open.retain(|&action| Some(self.level(cell, action)) == least);
+        open
+    }
 }
 
 impl Frozen {
@@ -27,7 +99,53 @@ impl Frozen {
             actions,
             step_threshold,
             percept: None,
+            detours: None,
         }
+    }
+
+    /// Lets the agent take another way where a move is blocked, in a world from a map and with a
+    /// percept that shows the cell. In a maze nothing but its walls blocks a move, and the agent
+    /// stays as it is.
+    #[must_use]
+    pub fn with_detours(mut self, sensor: Sensor, maze: &Maze) -> Self {
+        let applies = maze.is_from_map() && sensor.tells_all_apart();
+        self.detours = applies.then(|| Detours {
+            bits: match sensor.begins_with_neighbours() {
+                true => sensor.ring(self.actions) / self.actions,
+                false => 0,
+            },
+            place_bits: sensor.place_bits(maze),
+            maze: maze.clone(),
+            visits: BTreeMap::new(),
+            collisions: BTreeMap::new(),
+        });
+        self
+    }
+
+    /// Returns an action around what is blocked, and whether it is by chance. Returns `None` if
+    /// nothing speaks against the best actions.
+    fn detour(
+        &mut self,
+        values: &PredictionArray,
+        explorer: &mut Explorer,
+    ) -> Option<(Action, bool)> {
+        let (detours, percept) = (self.detours.as_mut()?, self.percept?);
+        *detours.visits.entry(detours.cell(&percept)).or_default() += 1;
+        let candidates = detours.candidates(&percept);
+        let mut best = values.best_actions();
+        if values.greatest().is_some() && best.all(|action| candidates.contains(&action)) {
+            return None;
+        }
+        let mut known = PredictionArray::new(self.actions);
+        for &action in &candidates {
+            if let Some(value) = values.get(action) {
+                known.set(action, value);
+            }
+        }
+        Some(match known.greatest() {
+            Some(_) => (explorer.exploit(&known), false),
+            None => (explorer.among(candidates.into_iter()), true),
+        })
     }
 
     /// Returns the condition of the rule with the most weight among those that match the last observation and
@@ -52,8 +170,10 @@ impl Agent for Frozen {
     }
 
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        let (action, explores) = explorer.choose(values);
-        let by_chance = explores || values.greatest().is_none();
+        let (action, by_chance) = self.detour(values, explorer).unwrap_or_else(|| {
+            let (action, explores) = explorer.choose(values);
+            (action, explores || values.greatest().is_none())
+        });
         let source = match self.knowledge.rules() {
             Some(_) => DecisionSource::Rules,
             None => DecisionSource::Table,
@@ -61,11 +181,21 @@ impl Agent for Frozen {
         Choice::by(source, action, by_chance)
     }
 
-    fn update(&mut self, action: Action, _: Outcome, _: Option<&Percept>) -> StepCredit {
+    fn update(&mut self, action: Action, outcome: Outcome, _: Option<&Percept>) -> StepCredit {
+        let is_blocked = matches!(outcome, Outcome::Collided { .. } | Outcome::Stalled);
+        if let (true, Some(detours), Some(percept)) = (is_blocked, &mut self.detours, self.percept)
+        {
+            let cell = detours.cell(&percept);
+            *detours.collisions.entry((cell, action)).or_default() += 1;
+        }
         self.matching(action)
     }
 
     fn end_episode(&mut self, _: bool) -> EndCredit {
+        if let Some(detours) = &mut self.detours {
+            detours.visits.clear();
+            detours.collisions.clear();
+        }
         EndCredit::new(0.0, 0.0)
     }
 
@@ -83,5 +213,73 @@ impl Agent for Frozen {
 
     fn rule_count(&self) -> usize {
         self.knowledge.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use xcs::random::Stream;
+
+    /// A hall of two rows.
+    fn hall(is_from_map: bool) -> Maze {
+        let pixels = if is_from_map {
+            r##", "solid": { "pixel_m": 1.0, "corner": [0.0, 0.0, 0.0], "radius_m": 0.3,
+                "rows": ["5#", "1#3.1#", "1#3.1#", "5#"] }"##
+        } else {
+            ""
+        };
+        let rows = r######""#####", "#S.G#", "#...#", "#####""######;
+        let world = format!(r#"{{ "rows": [{rows}]{pixels} }}"#);
+        Maze::from_json(world.as_bytes(), "hall.json").unwrap()
+    }
+
+    /// The percept in a column of the upper row, with or without a box in the east.
+    fn percept(col: u16, has_box: bool) -> Percept {
+        let percept = Sensor::LidarPosition.perceive_at(&hall(true), Cell { col, row: 1 });
+        let bits = (0..percept.width()).map(|at| percept.bit(at) || (has_box && at == 5));
+        Percept::from_bits(bits).unwrap()
+    }
+
+    /// The actions after these percepts, each with its outcome. The policy goes east rather than
+    /// west, south and north.
+    fn chosen(is_from_map: bool, steps: &[(Percept, Outcome)]) -> Vec<usize> {
+        let values = [1.0, 4.0, 2.0, 3.0].map(Some).to_vec();
+        let all = [1, 2].map(|col| [false, true].map(|has_box| percept(col, has_box)));
+        let table = all.concat().into_iter().map(|one| (one, values.clone()));
+        let mut policy = Frozen::new(Knowledge::Table(table.collect()), 4, 9)
+            .with_detours(Sensor::LidarPosition, &hall(is_from_map));
+        let mut greedy = Explorer::new(0.0, Stream::new(1, 0_u64));
+        let step = |&(percept, outcome): &(Percept, Outcome)| {
+            let values = policy.observe(&percept);
+            let action = policy.choose(&values, &mut greedy).action;
+            policy.update(action, outcome, None);
+            action.index()
+        };
+        steps.iter().map(step).collect()
+    }
+
+    #[test]
+    fn a_move_that_the_percept_shows_as_closed_is_not_taken() {
+        let steps = [false, true].map(|has_box| (percept(1, has_box), Outcome::Moved));
+        assert_eq!(chosen(true, &steps), [1, 2]);
+        assert_eq!(chosen(false, &steps), [1, 1], "control: a maze");
+    }
+
+    #[test]
+    fn after_a_collision_another_way_is_taken() {
+        let hit = Outcome::Collided { impulse_ns: None };
+        let steps = [hit, Outcome::Moved].map(|outcome| (percept(1, false), outcome));
+        assert_eq!(chosen(true, &steps), [1, 2]);
+        assert_eq!(chosen(false, &steps), [1, 1], "control: a maze");
+    }
+
+    #[test]
+    fn a_robot_in_front_of_a_box_does_not_turn_back_and_forth_for_ever() {
+        let percepts = [percept(1, false), percept(2, true)];
+        let steps = [percepts, percepts].concat();
+        let steps: Vec<_> = steps.into_iter().map(|one| (one, Outcome::Moved)).collect();
+        assert_eq!(chosen(true, &steps), [1, 3, 1, 2]);
+        assert_eq!(chosen(false, &steps), [1; 4], "control: a maze");
     }
 }

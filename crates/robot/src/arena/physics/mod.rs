@@ -214,7 +214,7 @@ fn blocks(maze: &Maze) -> Result<Vec<Block>, PhysicsError> {
             limit_m: MAX_EXTENT_M,
         });
     }
-    let blocks = maze.solid().blocks();
+    let blocks = maze.everything_solid().blocks();
     if blocks.len() > MAX_BLOCKS {
         return Err(PhysicsError::TooManyWalls {
             world: world(),

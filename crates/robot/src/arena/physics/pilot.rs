@@ -26,6 +26,8 @@ enum Localiser {
 /// The current manoeuvre.
 struct Action {
     maneuver: Maneuver,
+    /// True if the map bars the move, so that the robot does not drive.
+    is_barred: bool,
     /// The cell where the manoeuvre started, counted to the east and to the north.
     home: [i32; 2],
     /// The target cell.
@@ -50,6 +52,8 @@ pub struct Pilot {
     /// metres.
     lengths_m: [f64; 2],
     cell_size_m: f64,
+    /// In a world from a map: the map.
+    map: Option<Maze>,
     action: Option<Action>,
 }
 
@@ -74,6 +78,7 @@ impl Pilot {
             params: params.clone(),
             lengths_m: lengths_m(maze, params),
             cell_size_m,
+            map: maze.is_from_map().then(|| maze.clone()),
             action: None,
         }
     }
@@ -151,7 +156,8 @@ impl Pilot {
     }
 
     /// Starts to drive one cell in a direction, from a pose and speeds. Discards earlier
-    /// observations.
+    /// observations. A move that the map bars ends as blocked, without driving: the robot may fit
+    /// through, but with less space beside it than a move needs.
     pub fn begin(&mut self, direction: Direction, pose: Isometry2<f64>, speeds: Speeds) {
         if let Localiser::Onboard(onboard) = &mut self.localiser {
             onboard.begin_action();
@@ -162,11 +168,21 @@ impl Pilot {
         let seen = Motion::of(pose, speeds);
         self.action = Some(Action {
             maneuver: Maneuver::new(middle.into(), vector(direction), self.lengths_m, &seen),
+            is_barred: self.is_barred(direction),
             home,
             wanted: [home[0] + east, home[1] - south],
             seen,
             timed_out: false,
         });
+    }
+
+    /// Returns true if the map bars a move from the estimated cell. From a cell that should be a
+    /// wall every move is allowed.
+    fn is_barred(&self, direction: Direction) -> bool {
+        self.map.as_ref().is_some_and(|map| {
+            let cell = self.cell(map).filter(|&cell| !map.is_wall(cell));
+            cell.is_some_and(|cell| map.step(cell, direction).is_none())
+        })
     }
 
     /// Returns the commanded speeds of the manoeuvre, `passed_ns` nanoseconds after its begin, for a robot at this
@@ -191,7 +207,11 @@ impl Pilot {
             return None;
         }
         action.seen = Motion::of(pose, speeds);
-        match action.maneuver.command(&action.seen, params) {
+        let speeds = match action.is_barred {
+            true => None,
+            false => action.maneuver.command(&action.seen, params),
+        };
+        match speeds {
             Some(speeds) => Some(speeds.limited(&self.params)),
             None => (passed_ns < turn_ns).then_some(Speeds::REST),
         }
@@ -229,7 +249,8 @@ impl Pilot {
             return Outcome::Stalled;
         };
         let in_time = !action.timed_out;
-        if in_time && action.maneuver.backs_off() && cell == action.home {
+        let is_blocked = action.is_barred || action.maneuver.backs_off();
+        if in_time && is_blocked && cell == action.home {
             Outcome::Collided { impulse_ns: None }
         } else if at_goal {
             Outcome::ReachedGoal

@@ -53,7 +53,7 @@ impl Robot {
     pub fn new(maze: Maze, params: PhysicsParams, seed: u64) -> Result<Self, PhysicsError> {
         params.check()?;
         let maze = fit::fitted(&maze, &params)?;
-        let walls = simulation::walls(&blocks(&maze)?, maze.solid());
+        let walls = simulation::walls(&blocks(&maze)?, maze.everything_solid());
         let start = Isometry2::from(maze.centre_in_grid(first_cell(&maze)).coords);
         let simulation = Simulation::new(walls, pose_of(&start), &params);
         let mut robot = Self {
@@ -166,7 +166,7 @@ impl Robot {
         self.before = self.motion().pose;
         self.steps += 1;
         let time_ns = self.time_ns();
-        let (pushes, body) = self.simulation.advance(self.maze.solid());
+        let (pushes, body) = self.simulation.advance(self.maze.everything_solid());
         let centre = true_motion(body).pose.translation.vector;
         for push in pushes {
             let touched = centre + push.normal * self.params.radius_m;

@@ -7,19 +7,19 @@ use crate::world::Maze;
 
 impl Terrain for Maze {
     fn pixel_m(&self) -> f64 {
-        self.solid().pixel_m()
+        self.everything_solid().pixel_m()
     }
 
     fn corner_in_grid(&self) -> Option<Isometry2<f64>> {
-        self.solid().corner_in_grid()
+        self.everything_solid().corner_in_grid()
     }
 
     fn is_solid(&self, col: i32, row: i32) -> bool {
-        self.solid().is_solid(col, row)
+        self.everything_solid().is_solid(col, row)
     }
 
     fn clear_m(&self, col: i32, row: i32) -> f64 {
-        self.solid().clear_m(col, row)
+        self.everything_solid().clear_m(col, row)
     }
 
     fn is_marked(&self, point_m: Vector2<f64>) -> bool {

@@ -67,6 +67,7 @@ impl Field {
             width: self.side,
             height: self.side,
             solid: Maze::solid_cells(&walls, self.side, 1.0),
+            obstructed: None,
             walls,
             open: None,
             start: Some(start),

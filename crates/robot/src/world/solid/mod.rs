@@ -59,6 +59,28 @@ impl Solid {
         }
     }
 
+    /// Returns the same geometry with other pixels, row by row from the top.
+    pub(super) fn with_bits(&self, bits: Arc<[bool]>) -> Self {
+        Self {
+            radius_m: self.radius_m,
+            ..Self::new(self.width, bits, self.pixel_m, self.corner)
+        }
+    }
+
+    /// Returns the same geometry with a square box, whose sides are parallel to those of the
+    /// pixels. A pixel becomes solid if its middle is in the box.
+    pub(super) fn with_box(&self, middle_m: Point2<f64>, side_m: f64) -> Self {
+        let middle = self.in_raster(middle_m);
+        let mut bits = self.bits.to_vec();
+        for (at, bit) in bits.iter_mut().enumerate() {
+            let [col, up] = [at % self.width, self.height - 1 - at / self.width];
+            let pixel = [col, up].map(|number| (number as f64 + 0.5) * self.pixel_m);
+            let reach = (Point2::from(pixel) - middle).amax();
+            *bit |= reach <= side_m / 2.0;
+        }
+        self.with_bits(bits.into())
+    }
+
     /// Returns the number of columns and rows.
     pub fn size(&self) -> [usize; 2] {
         [self.width, self.height]
