@@ -271,7 +271,11 @@ fn to_map(args: &ConvertArgs, out: &mut Results) -> Result<(), Failure> {
     image_file.write(&map.image)?;
     map_file.write(map.yaml.as_bytes())?;
     let (map, image) = (args.output.display(), image.display());
-    Ok(writeln!(out, "{map} and {image}: one pixel per cell")?)
+    let pixels = match maze.is_from_map() {
+        true => "the pixels of the map",
+        false => "one pixel per cell",
+    };
+    Ok(writeln!(out, "{map} and {image}: {pixels}")?)
 }
 
 /// Rejects options for maps: a world already has its cells, start and goal.

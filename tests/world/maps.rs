@@ -188,8 +188,9 @@ fn what_is_wrong_in_a_header_or_an_image_is_named() {
     }
     map.yaml("");
     for (image, told) in [
-        (&b"P6 1 1 255\n..."[..], "neither PGM"),
-        (b"P5 99999999999 99999999 255\n", "are more than"),
+        (&b"P7 1 1 255\n..."[..], "neither PGM"),
+        (b"P5 99999999999 99999999 255\n", "is longer than 65536"),
+        (b"P5 9999 9999 255\n", "are more than"),
         (b"P5 8000 8000 255\n", "ends after 0 of the 64000000 bytes"),
         (b"P2 8000 8000 255\n1 2 3", "expected a number at byte"),
         (b"P2 1 1 255\n256", "exceeds the maximum"),

@@ -290,3 +290,60 @@ fn the_main_direction_of_the_walls_is_found_and_the_grid_follows_it() {
         "{found:?}"
     );
 }
+
+/// The map of a world from a map, in a folder.
+fn written(maze: &Maze, edit: impl Fn(&mut Vec<u8>)) -> Result<Maze, String> {
+    let map = crate::maps::Map(tempfile::tempdir().unwrap());
+    let mut files = maze.to_map("map.pgm");
+    edit(&mut files.image);
+    map.keep("map.yaml", files.yaml.as_bytes());
+    map.keep("map.pgm", &files.image);
+    let gridded = crate::maps::plain().of(&map.load().unwrap());
+    gridded
+        .map(|gridded| gridded.maze)
+        .map_err(|fault| fault.to_string())
+}
+
+#[test]
+fn a_world_from_a_map_is_written_with_its_pixels_and_read_back() {
+    let maze = Flat::new().turned(0.5, flat::TILT_RAD).maze;
+    assert_eq!(written(&maze, |_| ()).unwrap(), maze);
+    let files = maze.to_map("map.pgm");
+    let map = crate::maps::Map(tempfile::tempdir().unwrap());
+    map.keep("map.yaml", files.yaml.as_bytes());
+    map.keep("map.pgm", &files.image);
+    let map = map.load().unwrap();
+    let mut solid = 0;
+    for (col, row) in (0..map.height).flat_map(|row| (0..map.width).map(move |col| (col, row))) {
+        let middle =
+            [col as f64 + 0.5, (map.height - row) as f64 - 0.5].map(|at| at * map.resolution_m);
+        let at = map.origin.to_map(middle.into());
+        let is_solid = flat::is_solid(at.x, at.y);
+        assert_eq!(map.value(col, row) == 100, is_solid, "{at}");
+        solid += u32::from(is_solid);
+    }
+    assert!(solid > 100, "control: {solid}");
+}
+
+#[test]
+fn an_edited_image_of_a_world_from_a_map_changes_its_walls() {
+    let maze = Flat::new().gridded(0.5).maze;
+    let [width, height] = maze.solid().size();
+    let paint = |image: &mut Vec<u8>, rows: std::ops::Range<usize>, grey: u8| {
+        let first = image.len() - width * height;
+        image[first + rows.start * width..first + rows.end * width].fill(grey);
+    };
+    let last = maze.start().unwrap();
+    let narrower = written(&maze, |image| paint(image, 0..8, 0)).unwrap();
+    assert!(narrower.free_cells().count() < maze.free_cells().count());
+    assert_eq!(
+        (narrower.start(), narrower.goals()),
+        (Some(last), maze.goals())
+    );
+    let closed = written(&maze, |image| paint(image, 0..height, 0));
+    assert!(
+        closed
+            .unwrap_err()
+            .contains("no path in the grid leads to the goal")
+    );
+}

@@ -60,6 +60,19 @@ impl Origin {
         }
     }
 
+    /// Returns the pose in the map frame of a pose that is given in the grid frame. Its yaw is from
+    /// -pi to pi if the sum would be more than a turn.
+    pub(super) fn followed_by(self, pose: Self) -> Self {
+        let yaw_rad = self.yaw_rad + pose.yaw_rad;
+        Self {
+            yaw_rad: match yaw_rad.abs() > MOST_RAD {
+                true => libm::remainder(yaw_rad, MOST_RAD),
+                false => yaw_rad,
+            },
+            ..self.moved(Point2::new(pose.x_m, pose.y_m))
+        }
+    }
+
     /// Returns an error text if the numbers are out of range.
     pub(super) fn fault(&self) -> Option<String> {
         let is_within =

@@ -282,20 +282,11 @@ impl<'a> Cells<'a> {
         let world = serde_json::json!({
             "name": name,
             "cell_size_m": self.layout.cell_m,
-            "origin": in_map(self.raster.map.origin, corner),
+            "origin": self.raster.map.origin.followed_by(corner),
             "rows": rows,
             "solid": solid,
         });
         let world = world.to_string();
         Ok(Maze::from_json(world.as_bytes(), "the converted map")?)
-    }
-}
-
-/// Converts a pose from the frame of the image to the map frame.
-fn in_map(image: Origin, pose: Origin) -> Origin {
-    let corner = image.moved(Point2::new(pose.x_m, pose.y_m));
-    Origin {
-        yaw_rad: image.yaw_rad + pose.yaw_rad,
-        ..corner
     }
 }
