@@ -73,6 +73,7 @@ impl Plane<'_> {
         };
         let cells = self.maze.free_cells();
         let mut shapes: Vec<Element> = cells.map(|cell| self.tile(cell, 0.5, fill(cell))).collect();
+        shapes.extend(self.true_walls());
         let on_path: BTreeSet<usize> = moment.greedy_path.iter().map(index).collect();
         let greatest = greatest(moment).max(f64::MIN_POSITIVE);
         for (cell, values) in moment.policy.cells() {

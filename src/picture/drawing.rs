@@ -12,8 +12,10 @@ pub(super) const PAPER: u32 = 0xffffff;
 pub(super) const INK: u32 = 0x1d2430;
 pub(super) const FAINT: u32 = 0x5d6675;
 const GRID: u32 = 0xd9dee6;
-const WALL: u32 = 0x3d4757;
+pub(super) const WALL: u32 = 0x3d4757;
 pub(super) const VISITED: u32 = 0xd3d8e0;
+/// The floor beside the cells of a map.
+pub(super) const FLOOR: u32 = 0xeef1f5;
 const SLIPPERY: u32 = 0xe0f0fb;
 /// Pale, so that arrows far from the goal are visible on it.
 const START: u32 = 0xfdf0cf;
@@ -107,6 +109,9 @@ impl Plane<'_> {
         let (cols, rows) = (f64::from(maze.width()), f64::from(maze.height()));
         let (wide, high) = (cols * self.cell, rows * self.cell);
         let mut shapes = vec![block(self.left, HEAD, wide, high, WALL)];
+        if maze.is_from_map() {
+            shapes.extend(self.raster());
+        }
         let cells = maze.free_cells();
         shapes.extend(cells.map(|cell| self.tile(cell, 0.0, GRID)));
         shapes
@@ -128,6 +133,7 @@ impl Plane<'_> {
         }
         let tile = |(cell, fill, _)| self.tile(cell, 0.06 * self.cell, fill);
         shapes.extend(self.marked().map(tile));
+        shapes.extend(self.true_walls());
         let path = frame.greedy_path.iter().map(|&cell| self.centre(cell));
         shapes.push(path_line(&path.collect::<Vec<_>>(), 0.12 * self.cell));
         shapes.extend(self.arrows(frame));

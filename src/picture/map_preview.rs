@@ -11,14 +11,20 @@ use crate::world::{Cell, Maze, Occupancy, OccupancyMap};
 const SIDE: f64 = 1200.0;
 /// Smallest cell, in pixels, that gets a frame. Frames around smaller cells would hide the map.
 const SMALLEST_CELL: f64 = 5.0;
+/// The most crosses in a row of the picture.
+const MOST_CROSSES: f64 = 9.0;
+/// Half the length of the arms of a cross, in pixels.
+const ARM: f64 = 6.0;
 /// Radius of the start mark, in cells.
 const START_MARK: f64 = 0.3;
 const FRAME: &str = "#1f77b4";
 const GOAL: &str = "#2ca02c";
 const START: &str = "#ff7f0e";
+const CROSS: &str = "#d62728";
 
 /// Renders an SVG document with the part of the map that the maze covers in grey. Free cells have a
-/// blue frame, goals are green, and the start is an orange disc.
+/// blue frame, goals are green, and the start is an orange disc. Red crosses have their coordinates in
+/// the map frame, in metres.
 ///
 /// # Errors
 /// When the pixels of the map cannot be encoded.
@@ -34,6 +40,7 @@ pub fn map_preview(maze: &Maze, map: &OccupancyMap) -> Result<String, String> {
         elements.push(outline(&frames, [("fill", "none"), ("stroke", FRAME)]));
     }
     elements.extend(maze.starts().next().map(|start| grid.start_mark(start)));
+    elements.extend(grid.coordinates());
     Ok(Drawing {
         width: grid.size_px[0].ceil() as u32,
         height: grid.size_px[1].ceil() as u32,
@@ -58,6 +65,16 @@ fn pixels(map: &OccupancyMap) -> Result<Vec<u8>, png::EncodingError> {
     encoder.set_color(png::ColorType::Grayscale);
     encoder.write_header()?.write_image_data(&greys)?;
     Ok(image)
+}
+
+/// Returns the distance between two coordinates in a picture of this length, in metres: a round
+/// number.
+fn apart_m(length_m: f64) -> f64 {
+    let decades = (-1..6).map(|power| 10.0_f64.powi(power));
+    let mut round = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|factor| factor * decade));
+    round
+        .find(|apart_m| length_m / apart_m <= MOST_CROSSES)
+        .unwrap_or(length_m)
 }
 
 /// Draws a path.
@@ -113,10 +130,57 @@ impl<'a> Grid<'a> {
     /// Returns a point of the grid, in cells from its lower left corner, in pixels of the picture.
     fn pixel(&self, col: f64, row: f64) -> Point2<f64> {
         let in_grid = Point2::new(col, row) * self.maze.cell_size_m();
-        let in_map = self.maze.point_in_map(in_grid);
+        self.pixel_of_map(self.maze.point_in_map(in_grid))
+    }
+
+    /// Returns a point of the map frame, in metres, in pixels of the picture.
+    fn pixel_of_map(&self, in_map: Point2<f64>) -> Point2<f64> {
         let in_image = self.map.origin.to_grid(in_map) / self.map.resolution_m;
         let from_top = self.map.height as f64 - in_image.y;
         ((Point2::new(in_image.x, from_top) - self.corner) * self.scale).into()
+    }
+
+    /// Returns a point of the picture in the map frame, in metres.
+    fn point_in_map(&self, [x, y]: [f64; 2]) -> Point2<f64> {
+        let in_image = Point2::new(x, y) / self.scale + self.corner.coords;
+        let from_bottom = self.map.height as f64 - in_image.y;
+        let in_raster = Point2::new(in_image.x, from_bottom) * self.map.resolution_m;
+        self.map.origin.to_map(in_raster)
+    }
+
+    /// Returns crosses at round points of the map frame, with their coordinates.
+    fn coordinates(&self) -> Vec<Element> {
+        let [width, height] = self.size_px;
+        let ends = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]];
+        let ends = ends.map(|end| self.point_in_map(end).coords);
+        let least = ends.iter().fold(ends[0], |least, end| least.inf(end));
+        let most = ends.iter().fold(ends[0], |most, end| most.sup(end));
+        let apart_m = apart_m((most - least).max());
+        let numbers = |axis: usize| {
+            let first = (least[axis] / apart_m).ceil() as i64;
+            (first..=(most[axis] / apart_m) as i64).map(move |number| number as f64 * apart_m)
+        };
+        let points = numbers(0).flat_map(|x| numbers(1).map(move |y| [x, y]));
+        points.flat_map(|point| self.cross(point)).collect()
+    }
+
+    /// Returns a cross at a point of the map frame, and its coordinates.
+    fn cross(&self, [x, y]: [f64; 2]) -> [Element; 2] {
+        let at = self.pixel_of_map(Point2::new(x, y));
+        let (left, top) = (short(at.x - ARM), short(at.y - ARM));
+        let [middle_x, middle_y, length] = [at.x, at.y, 2.0 * ARM].map(short);
+        let path = format!("M{left} {middle_y}h{length}M{middle_x} {top}v{length}");
+        let text = [
+            ("x", short(at.x + 4.0)),
+            ("y", short(at.y - 4.0)),
+            ("font-size", "14".to_owned()),
+            ("fill", CROSS.to_owned()),
+        ];
+        [
+            outline(&path, [("fill", "none"), ("stroke", CROSS)]),
+            // Tenths have no exact form in binary.
+            Element::new("text", text).with_text(format!("{},{}", short(x), short(y))),
+        ]
     }
 
     /// Returns the map, from its pixels as a PNG image.

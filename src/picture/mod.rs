@@ -7,6 +7,7 @@ mod drawing;
 mod map_preview;
 mod policy_picture;
 mod svg;
+mod true_walls;
 
 pub(crate) use camera::{Camera, Stages};
 pub(crate) use colours::css;

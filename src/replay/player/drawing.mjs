@@ -72,15 +72,34 @@ function drawPercept(context, { world, percept_colours }, { cell_m: [x, y], perc
   });
 }
 
+/** Draws the floor, and the walls of a map in their true shape. */
+function drawTrueWalls(context, { walls }, [width_m, height_m]) {
+  context.save();
+  context.beginPath();
+  context.rect(0, 0, width_m, height_m);
+  context.clip();
+  context.fillStyle = COLOURS.wall;
+  context.fillRect(0, 0, width_m, height_m);
+  context.translate(walls.corner[0], walls.corner[1]);
+  context.rotate(walls.corner[2]);
+  context.fillStyle = COLOURS.floor;
+  context.fillRect(0, 0, ...walls.size_m);
+  context.fillStyle = COLOURS.wall;
+  for (const block of walls.blocks) context.fillRect(...block.map((pixels) => pixels * walls.pixel_m));
+  context.restore();
+}
+
 function drawWorld(context, world, pixel) {
   const unit = world.cell_size_m;
   const [width_m, height_m] = size_m(world);
   context.fillStyle = COLOURS.floor;
   context.fillRect(0, 0, width_m, height_m);
+  if (world.walls) drawTrueWalls(context, world, [width_m, height_m]);
+  const wall = world.walls ? null : COLOURS.wall;
   world.rows.forEach((row, number) => {
     const y = height_m - (number + 1) * unit;
     [...row].forEach((cell, column) => {
-      const fill = { "#": COLOURS.wall, S: COLOURS.start, G: COLOURS.goal }[cell];
+      const fill = { "#": wall, S: COLOURS.start, G: COLOURS.goal }[cell];
       if (!fill) return;
       context.fillStyle = fill;
       const inset = cell === "#" ? 0 : 0.08 * unit;
