@@ -6,7 +6,8 @@
 For each method: the interquartile mean of the scores of all its trials, and the performance profile, which is the share
 of trials with at least a score. For the reference: the probability that its score is higher than that of each other
 method, averaged over the worlds; ties count half. The 95 % intervals are of a bootstrap that draws the trials of each
-world anew. `path` is the optimum divided by the steps of the final greedy policy from all starts.
+world anew. `path` is the share of starts from which the final greedy policy reaches a goal, times the optimum as a
+share of its steps there.
 """
 
 import argparse
@@ -17,7 +18,7 @@ from statistics import mean
 RESAMPLES = 2_000
 THRESHOLDS = (0.25, 0.5, 0.75, 0.9, 1.0)
 SCORES = {
-    "path": lambda row: 1 / float(row["greedy_ratio"]),
+    "path": lambda row: float(row["greedy_score"]),
     "retained": lambda row: float(row["retained"] == "true"),
     "solved": lambda row: float(row["first_optimal_episode"] != ""),
 }
@@ -58,7 +59,7 @@ def read(path, score):
             world = " ".join(row[key] for key in ("world", "arena", "sensor"))
             own = methods.setdefault(f"{row['method']} {row['variant']}".strip(), {})
             scores = own.setdefault(world, [])
-            if not row["error"] and (score != "path" or row["greedy_ratio"]):
+            if not row["error"] and (score != "path" or row["greedy_score"]):
                 scores.append(SCORES[score](row))
     shared = [world for world in next(iter(methods.values())) if all(own.get(world) for own in methods.values())]
     return {name: [own[world] for world in shared] for name, own in methods.items()}, shared

@@ -15,7 +15,6 @@ use crate::study::statistics::{
 };
 use crate::study::store::StudyFolder;
 use crate::study::store::{Driven, Figures};
-use crate::trial::Progress;
 use xcs::random::Stream;
 
 /// The finished trials of one arm.
@@ -106,10 +105,10 @@ impl<'a> ArmRecords<'a> {
 
     /// Pairs the trials of two arms with the same seeds, and counts the pairs by the result of
     /// `better` for the first and the second. Failed trials are in no pair.
-    pub fn pairs(&self, other: &Self, better: impl Fn(&Progress, &Progress) -> Ordering) -> Pairs {
+    pub fn pairs(&self, other: &Self, better: impl Fn(&Figures, &Figures) -> Ordering) -> Pairs {
         let mut pairs = Pairs::default();
         let [ours, theirs] =
-            [self, other].map(|one| one.trials.clone().map(|trial| one.progress(trial)));
+            [self, other].map(|one| one.trials.clone().map(|trial| one.figures_of(trial)));
         for (ours, theirs) in ours.zip(theirs) {
             if let (Some(ours), Some(theirs)) = (ours, theirs) {
                 pairs.add(better(&ours, &theirs));
@@ -118,9 +117,9 @@ impl<'a> ArmRecords<'a> {
         pairs
     }
 
-    fn progress(&self, trial: usize) -> Option<Progress> {
+    fn figures_of(&self, trial: usize) -> Option<Figures> {
         let mut records = self.folder.records_of(trial..trial + 1);
-        Some(records.next()?.result.ok()?.progress)
+        records.next()?.result.ok()
     }
 
     /// Returns the steps in the environment until the policy was optimal, or else until the end.
@@ -192,15 +191,21 @@ impl<'a> ArmRecords<'a> {
 }
 
 /// Orders trials by success: a trial whose policy became optimal is better.
-pub fn by_success(one: &Progress, other: &Progress) -> Ordering {
-    let is_optimal = |progress: &Progress| progress.first_optimal_episode.is_some();
+pub fn by_success(one: &Figures, other: &Figures) -> Ordering {
+    let is_optimal = |one: &Figures| one.progress.first_optimal_episode.is_some();
     is_optimal(one).cmp(&is_optimal(other))
 }
 
 /// Orders trials by the steps until the policy became optimal: fewer is better, and never is worst.
-pub fn by_steps(one: &Progress, other: &Progress) -> Ordering {
-    let steps = |progress: &Progress| progress.first_optimal_env_steps.unwrap_or(u64::MAX);
+pub fn by_steps(one: &Figures, other: &Figures) -> Ordering {
+    let steps = |one: &Figures| one.progress.first_optimal_env_steps.unwrap_or(u64::MAX);
     steps(other).cmp(&steps(one))
+}
+
+/// Orders trials by the score of the greedy policy at the end.
+pub fn by_score(one: &Figures, other: &Figures) -> Ordering {
+    let score = |one: &Figures| one.greedy_score.map_or(0.0, rounded);
+    score(one).total_cmp(&score(other))
 }
 
 /// A row of `summary.json`. Numbers are rounded to six decimals, because the last digits of
@@ -269,6 +274,8 @@ pub struct ArmSummary {
     pub most_greedy_steps: Option<f64>,
     /// Mean of the greedy steps as a multiple of the optimum; `null` where the optimum is unknown.
     pub mean_greedy_ratio: Option<f64>,
+    /// Mean score of the greedy policy at the end; `null` where the optimum is unknown.
+    pub mean_greedy_score: Option<f64>,
     /// Share of the episodes driven by the greedy policy at the end that reached a goal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driven_goals: Option<f64>,
@@ -345,6 +352,7 @@ impl ArmSummary {
             mean_greedy_steps: records.mean_of(|one| one.greedy_steps),
             most_greedy_steps: records.greedy_steps().reduce(f64::max).map(rounded),
             mean_greedy_ratio: records.mean_of(|one| one.greedy_ratio),
+            mean_greedy_score: records.mean_of(|one| one.greedy_score),
             driven_goals: records.mean_of(|one| one.driven.map(|d| d.share(d.goals))),
             driven_always: always.map(|always| always.successes),
             driven_always_low: reliable.map(|share| share.low),

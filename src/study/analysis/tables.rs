@@ -41,7 +41,7 @@ impl Row<'_> {
 type Column = (&'static str, fn(&Row<'_>) -> Value);
 
 /// The columns of `trials.csv`; cells without a value are empty.
-const COLUMNS: [Column; 29] = [
+const COLUMNS: [Column; 30] = [
     ("world", |r| r.arm.world.as_str().into()),
     ("method", |r| r.arm.method_name().into()),
     ("arena", |r| r.arm.arena.name().into()),
@@ -80,6 +80,9 @@ const COLUMNS: [Column; 29] = [
     }),
     ("greedy_ratio", |r| {
         r.figure(|p| p.greedy_ratio.map(rounded))
+    }),
+    ("greedy_score", |r| {
+        r.figure(|p| p.greedy_score.map(rounded))
     }),
     ("driven_goals", |r| r.driven(|p| p.goals)),
     ("driven_optimal", |r| r.driven(|p| p.optimal)),

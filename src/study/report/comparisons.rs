@@ -4,11 +4,9 @@ use serde::Serialize;
 
 use super::results::shown;
 use crate::page::Table;
-use crate::study::analysis::summary::{ArmRecords, by_steps, by_success};
+use crate::study::analysis::summary::{ArmRecords, by_score, by_steps, by_success};
 use crate::study::protocol::{Arm, NOTHING};
-use crate::study::statistics::{
-    Interval, detectable_difference, detectable_share, holm, rounded, trials_needed,
-};
+use crate::study::statistics::{Interval, holm, rounded, trials_needed};
 
 /// The accepted probability of a type I error.
 const ALPHA: f64 = 0.05;
@@ -38,15 +36,18 @@ pub struct Comparison {
     /// The sign test's exact p that either is sooner equally often, after Holm's correction over
     /// all worlds and methods that are compared.
     pub steps_holm_p: f64,
+    /// Number of pairs in which the greedy policy of the first has a higher score at the end.
+    pub higher: u64,
+    /// Number of pairs in which it has a lower score.
+    pub lower: u64,
+    /// The sign test's exact p that either is higher equally often, after Holm's correction.
+    pub score_holm_p: f64,
     /// Trials of each that would distinguish such shares with a power of 80 %.
     pub trials_needed: Option<u64>,
 }
 
 /// Maximum number of swept combinations to compare. More are a search.
 const MOST_VALUES: usize = 24;
-
-/// Maximum number of comparisons to list one by one.
-const MOST_NAMED: usize = 4;
 
 /// The keys of a variant whose values are each compared with [`NOTHING`].
 const AGAINST_NOTHING: [&str; 2] = ["after", "without"];
@@ -60,6 +61,11 @@ impl Comparison {
     /// Returns true if the data decide which needs fewer steps to its first optimum.
     pub fn decides_steps(&self) -> bool {
         self.steps_holm_p < ALPHA
+    }
+
+    /// Returns true if the data decide which has the higher scores.
+    pub fn decides_score(&self) -> bool {
+        self.score_holm_p < ALPHA
     }
 
     /// Returns all comparisons in each world. The method `reference` is compared with each other
@@ -84,13 +90,15 @@ impl Comparison {
 
     /// Applies Holm's correction to comparisons that answer one question.
     fn corrected(mut members: Vec<Self>) -> Vec<Self> {
-        let shares: Vec<f64> = members.iter().map(|one| one.mcnemar_p).collect();
-        let steps: Vec<f64> = members.iter().map(|one| one.steps_holm_p).collect();
-        let corrected = holm(&shares).into_iter().zip(holm(&steps));
-        for (one, (holm_p, steps_holm_p)) in members.iter_mut().zip(corrected) {
+        let corrected = |p: fn(&Self) -> f64| holm(&members.iter().map(p).collect::<Vec<_>>());
+        let shares = corrected(|one| one.mcnemar_p);
+        let steps = corrected(|one| one.steps_holm_p);
+        let scores = corrected(|one| one.score_holm_p);
+        for (at, one) in members.iter_mut().enumerate() {
             one.mcnemar_p = rounded(one.mcnemar_p);
-            one.holm_p = rounded(holm_p);
-            one.steps_holm_p = rounded(steps_holm_p);
+            one.holm_p = rounded(shares[at]);
+            one.steps_holm_p = rounded(steps[at]);
+            one.score_holm_p = rounded(scores[at]);
         }
         members
     }
@@ -99,6 +107,7 @@ impl Comparison {
         let (a, b) = (pair.one, pair.other);
         let (ours, theirs) = (a.successes(), b.successes());
         let (successes, steps) = (a.pairs(b, by_success), a.pairs(b, by_steps));
+        let scores = a.pairs(b, by_score);
         let [method, against, setting] = pair.names.clone();
         Self {
             world: a.arm.world.clone(),
@@ -111,6 +120,9 @@ impl Comparison {
             sooner: steps.better,
             later: steps.worse,
             steps_holm_p: steps.p(),
+            higher: scores.better,
+            lower: scores.worse,
+            score_holm_p: scores.p(),
             trials_needed: trials_needed(ours.share(), theirs.share()),
         }
     }
@@ -270,93 +282,38 @@ pub fn table(comparisons: &[Comparison], letters: &[(String, String)]) -> Table 
                 format!("{}, {}", one.sooner, one.later)
             }),
             ("steps: Holm p", &|one| p_value(one.steps_holm_p)),
-            ("decided", &|one| {
-                match (one.decides_share(), one.decides_steps()) {
-                    (true, true) => "share, steps",
-                    (true, false) => "share",
-                    (false, true) => "steps",
-                    (false, false) => "no",
-                }
-                .to_owned()
+            ("score: higher, lower", &|one| {
+                format!("{}, {}", one.higher, one.lower)
             }),
+            ("score: Holm p", &|one| p_value(one.score_holm_p)),
+            ("decided", &|one| decided_outcomes(one)),
             ("trials needed", &|one| shown(one.trials_needed)),
         ],
     );
     table.without_dull(|name| name == "setting")
 }
 
+/// Lists the outcomes that the data decide.
+fn decided_outcomes(one: &Comparison) -> String {
+    let outcomes = [
+        ("share", one.decides_share()),
+        ("steps", one.decides_steps()),
+        ("score", one.decides_score()),
+    ];
+    let decided = outcomes.iter().filter(|(_, decides)| *decides);
+    let names: Vec<&str> = decided.map(|(name, _)| *name).collect();
+    match names.is_empty() {
+        true => "no".to_owned(),
+        false => names.join(", "),
+    }
+}
+
 /// The description of the columns.
 pub const LEGEND: &str = "Trials with the same seed are pairs. points: how much larger the share of \
     optimal trials is, with McNemar's exact p. sooner, later: the number of pairs in which the first needed fewer or more \
     environment steps to its first optimum (a trial without one counts as later than any with one), \
-    with the p of the sign test. Holm: corrected over all worlds and methods (or parts left out, or values of a sweep) of one setting. \
+    with the p of the sign test. score: the same for the scores of the final greedy policies. Holm: corrected over all worlds and methods (or parts left out, or values of a sweep) of one setting. \
     trials needed: trials of each to distinguish such shares with a power of 80 %, without pairs.";
-
-/// Describes the number of decided comparisons in a sentence.
-pub fn decided(comparisons: &[Comparison]) -> String {
-    let count =
-        |decides: fn(&Comparison) -> bool| comparisons.iter().filter(|one| decides(one)).count();
-    let number = match comparisons.len() {
-        1 => "Of 1 comparison".to_owned(),
-        number => format!("Of {number} comparisons"),
-    };
-    format!(
-        "{number}, the data decide {} by the share of optimal trials and {} by the steps to \
-         the first optimum, at the 5 % level.",
-        count(Comparison::decides_share),
-        count(Comparison::decides_steps)
-    )
-}
-
-/// Describes the comparisons that the data cannot decide, or returns `None` if there are none.
-pub fn undecided(comparisons: &[Comparison]) -> Option<String> {
-    let open = comparisons
-        .iter()
-        .filter(|one| !one.decides_share() && !one.decides_steps());
-    let words = open.map(|one| {
-        let (world, method, against) = (&one.world, &one.method, &one.against);
-        let [share, steps] = [one.holm_p, one.steps_holm_p].map(p_value);
-        format!("{method} against {against} in {world} (p = {share}, {steps})").replace("= <", "<")
-    });
-    let words: Vec<String> = words.collect();
-    if words.len() > MOST_NAMED {
-        let (some, all) = (words.len(), comparisons.len());
-        let which = format!("{some} of the {all} comparisons in the table");
-        return Some(format!(
-            "Neither the share of optimal trials nor the steps decide {which}."
-        ));
-    }
-    (!words.is_empty()).then(|| {
-        format!(
-            "Neither the share of optimal trials nor the steps decide: {}.",
-            words.join("; ")
-        )
-    })
-}
-
-/// Describes which differences `trials` trials of each detect, and which they may miss.
-pub fn power(trials: usize) -> String {
-    let trials = trials as u64;
-    let share = detectable_difference(trials);
-    let share = share.map_or(
-        "no difference of the shares of optimal trials".to_owned(),
-        |found| {
-            let [low, high] = [0.5 - found / 2.0, 0.5 + found / 2.0].map(|share| 100.0 * share);
-            format!("a difference such as {low:.0} against {high:.0} % of optimal trials")
-        },
-    );
-    let sooner = detectable_share(trials);
-    let sooner = sooner.map_or("none in the steps".to_owned(), |found| {
-        format!(
-            "one in the steps if a method is sooner in {:.0} % of the pairs",
-            100.0 * found
-        )
-    });
-    format!(
-        "{trials} trials of each detect {share} four times in five, and {sooner}. Smaller differences \
-         are missed more often."
-    )
-}
 
 /// Formats a p-value with four decimals.
 pub fn p_value(p: f64) -> String {

@@ -1,6 +1,7 @@
 //! The report of a study, in words, tables and figures.
 
 mod comparisons;
+mod conclusions;
 mod figures;
 mod results;
 mod settings;
@@ -164,16 +165,16 @@ impl Report {
             Block::Subheading("Pairwise comparisons".to_owned()),
             Block::Table(comparisons::table(&self.comparisons, &letters)),
             Block::Text(comparisons::LEGEND.to_owned()),
-            Block::Text(comparisons::decided(&self.comparisons)),
+            Block::Text(conclusions::decided(&self.comparisons)),
         ]
     }
 
     /// Describes what the data leave open.
     fn limits(&self) -> Vec<String> {
         let mut limits = vec![results::limits(&self.arms, self.episodes)];
-        limits.extend(comparisons::undecided(&self.comparisons));
+        limits.extend(conclusions::undecided(&self.comparisons));
         if !self.comparisons.is_empty() {
-            limits.push(comparisons::power(self.trials));
+            limits.push(conclusions::power(self.trials));
         }
         limits
     }

@@ -107,6 +107,9 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
                 let limits = one.iqm_env_steps_low.zip(one.iqm_env_steps_high);
                 shown(limits.map(|(low, high)| format!("{low:.0}–{high:.0}")))
             }),
+            ("score", &|(_, one)| {
+                shown(one.mean_greedy_score.map(|mean| format!("{mean:.2}")))
+            }),
             ("driven", &|(_, one)| percent(one.driven_goals)),
             ("95 % interval  ", &|(_, one)| {
                 percents(one.driven_always_low.zip(one.driven_always_high))

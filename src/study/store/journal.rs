@@ -19,7 +19,7 @@ const MOST_LINE_BYTES: u64 = 1 << 20;
 /// The first words of a journal.
 const MAGIC: &str = "xcscr study journal";
 /// The version of the line format.
-const FORMAT: u32 = 3;
+const FORMAT: u32 = 4;
 /// The random characters at the end of a name.
 const RANDOM_CHARACTERS: usize = 10;
 
@@ -256,9 +256,9 @@ mod tests {
     #[test]
     fn a_journal_of_another_format_is_refused_with_both_versions() {
         let (_folder, path, text) = written(&records(1));
-        fs::write(&path, text.replace("journal 3", "journal 1")).unwrap();
+        fs::write(&path, text.replace("journal 4", "journal 1")).unwrap();
         let fault = contents(&path, "p").unwrap_err().to_string();
-        let words = "it has format 1, and this version reads format 3";
+        let words = "it has format 1, and this version reads format 4";
         assert!(fault.contains(words), "{fault}");
     }
 }

@@ -24,6 +24,9 @@ pub struct Figures {
     pub greedy_steps: Option<f64>,
     /// `greedy_steps` as a multiple of the optimum.
     pub greedy_ratio: Option<f64>,
+    /// Share of the starts from which the greedy policy reaches a goal at the end, times the optimum as
+    /// a share of its steps there. Unlike `greedy_steps`, it does not depend on the step limit.
+    pub greedy_score: Option<f64>,
     /// Results of driving with the greedy policy at the end, if the study has `drives`.
     pub driven: Option<Driven>,
 }
@@ -97,6 +100,7 @@ impl Figures {
         for (name, mean) in means {
             within(name, mean.unwrap_or(1.0), 0.0..=limit)?;
         }
+        within("greedy_score", self.greedy_score.unwrap_or(1.0), 0.0..=1.0)?;
         self.driven.map_or(Ok(()), |driven| driven.check(limit))?;
         let compacted = self.compacted_rules.unwrap_or(0);
         within("compacted_rules", compacted, 0..=self.rules)
@@ -210,8 +214,22 @@ fn figures(trial: &mut Trial, drives: u32) -> Result<Figures, String> {
         compacted_rules: compacted.map(|compacted| compacted.rules.len()),
         greedy_steps: Some(greedy.mean),
         greedy_ratio: greedy.ratio(trial.plan()),
+        greedy_score: greedy_score(trial.plan(), greedy),
         driven: driven.transpose()?,
     })
+}
+
+/// Returns the score of a greedy policy, or `None` if the optimum is not known. Episodes that reach no
+/// goal have taken as many steps as the step limit.
+fn greedy_score(plan: &Plan, greedy: GreedySteps) -> Option<f64> {
+    let optimum = greedy.mean / greedy.ratio(plan)?;
+    let [all, arrived] = [greedy.episodes, greedy.arrivals].map(f64::from);
+    if arrived == 0.0 {
+        return Some(0.0);
+    }
+    let limit = f64::from(plan.config.settings.reward.step_threshold);
+    let steps = greedy.mean * all - (all - arrived) * limit;
+    Some((arrived / all * optimum / (steps / arrived)).clamp(0.0, 1.0))
 }
 
 /// Runs a trial to its end. Calls `each` after each episode.
@@ -246,6 +264,29 @@ fn words(panic: &(dyn std::any::Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_score_of_a_policy_does_not_depend_on_the_step_limit() {
+        for limit in [50_u32, 600] {
+            let mut plan = Plan::new(Maze::load("worlds/maze4.json".as_ref()).unwrap());
+            plan.config.settings.reward.step_threshold = limit;
+            let optimum = f64::from(crate::world::Paths::new(&plan.maze).longest(&plan.maze));
+            let score = |arrivals: u32, steps: f64| {
+                let failed = f64::from(4 - arrivals) * f64::from(limit);
+                let mean = (f64::from(arrivals) * steps + failed) / 4.0;
+                let greedy = GreedySteps {
+                    mean,
+                    arrivals,
+                    episodes: 4,
+                };
+                greedy_score(&plan, greedy).unwrap()
+            };
+            assert!((score(4, optimum) - 1.0).abs() < 1e-9);
+            assert!((score(4, 2.0 * optimum) - 0.5).abs() < 1e-9);
+            assert!((score(1, 2.0 * optimum) - 0.125).abs() < 1e-9);
+            assert_eq!(score(0, 0.0), 0.0);
+        }
+    }
 
     #[test]
     fn a_long_error_is_cut_between_two_characters() {
