@@ -124,7 +124,7 @@ fn learning_curves_are_the_means_of_the_table_of_episodes_and_stand_in_the_repor
         let steps: Vec<f64> = steps.collect();
         let mean = steps.iter().sum::<f64>() / steps.len() as f64;
         let squares: f64 = steps.iter().map(|step| (step - mean).powi(2)).sum();
-        let margin = 1.96 * (squares / 3.0 / 4.0).sqrt();
+        let margin = 1.959_964 * (squares / 3.0 / 4.0).sqrt();
         assert_eq!((steps.len(), point["trials"].as_str()), (4, "4"));
         for (key, expected) in [
             ("steps", mean),

@@ -4,12 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::disk;
 use crate::study::protocol::Arm;
-use crate::study::statistics::rounded;
+use crate::study::statistics::{Z_95, rounded};
 use crate::study::store::StudyFolder;
 use crate::study::store::outputs::LEARNING_CURVES;
-
-/// Half-width of a normal 95 % interval, in standard errors.
-const Z_95: f64 = 1.96;
 
 /// A row of the table of learning curves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,7 +19,7 @@ pub struct CurvePoint {
     /// From 1.
     pub episode: u32,
     pub trials: u64,
-    /// Mean steps of the episode, and a 95 % interval of this mean: 1.96 standard errors to each side.
+    /// Mean steps of the episode, and a normal 95 % interval of this mean.
     pub steps: f64,
     pub low: f64,
     pub high: f64,
@@ -116,7 +113,7 @@ mod tests {
     use super::*;
     use crate::study::protocol::frozen;
 
-    /// By hand: 4, 6 and 11 have the mean 7 and the sample variance 13; 1.96 times the root of 13/3 is 4.080.
+    /// By hand: 4, 6 and 11 have the mean 7 and the sample variance 13; 1.96 times the root of 13/3 is 4.079990.
     #[test]
     fn the_interval_of_a_mean_is_1_96_standard_errors_to_each_side() {
         let mut sums = CurveSums::default();
@@ -128,7 +125,7 @@ mod tests {
         let arm = &frozen(file, &[]).unwrap().arms[0];
         let points = sums.points(arm);
         let figures = |point: &CurvePoint| [point.steps, point.low, point.high];
-        assert_eq!(figures(&points[0]), [7.0, 2.919_935, 11.080_065]);
+        assert_eq!(figures(&points[0]), [7.0, 2.920_01, 11.079_99]);
         assert_eq!(figures(&points[1]), [5.0, 5.0, 5.0]);
         assert_eq!((points[0].episode, points[0].trials), (1, 3));
         let mut table = csv::Writer::from_writer(Vec::new());

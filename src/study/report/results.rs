@@ -103,7 +103,7 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
             ("median", &|(_, one)| shown(one.median_episode)),
             ("p95", &|(_, one)| shown(one.p95_episode)),
             ("steps (IQM)", &|(_, one)| whole(one.iqm_env_steps)),
-            ("95 % interval ", &|(_, one)| {
+            ("steps: 95 %", &|(_, one)| {
                 let limits = one.iqm_env_steps_low.zip(one.iqm_env_steps_high);
                 shown(limits.map(|(low, high)| format!("{low:.0}–{high:.0}")))
             }),
@@ -111,7 +111,7 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
                 shown(one.mean_greedy_score.map(|mean| format!("{mean:.2}")))
             }),
             ("driven", &|(_, one)| percent(one.driven_goals)),
-            ("95 % interval  ", &|(_, one)| {
+            ("driven: 95 %", &|(_, one)| {
                 percents(one.driven_always_low.zip(one.driven_always_high))
             }),
             ("shortest", &|(_, one)| percent(one.driven_optimal)),
@@ -141,7 +141,7 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
     table.without_dull(|name| match name {
         "memory" => all_can_solve,
         "obs. errors" | "mislocalised" => none_erred,
-        "driven" | "95 % interval  " | "shortest" | "driven steps" => none_drove,
+        "driven" | "driven: 95 %" | "shortest" | "driven steps" => none_drove,
         _ => ["arena", "sensor", "variant", "compacted", "failed"].contains(&name),
     })
 }

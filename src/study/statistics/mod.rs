@@ -15,7 +15,7 @@ pub use paired::{Pairs, detectable_share};
 pub use proportion::{Proportion, detectable_difference, trials_needed};
 
 /// The normal deviate with 2.5 % on either side.
-const Z_95: f64 = 1.959_963_984_540_054;
+pub const Z_95: f64 = 1.959_963_984_540_054;
 
 /// An estimate with its lower and upper 95 % limits.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
