@@ -49,6 +49,8 @@ fn a_study_in_tasks_is_extended_too() {
     let desk = Desk::new();
     desk.done("plan small.toml --trials 2 --tasks 3 --out a");
     desk.done("task a 2 --quiet");
+    let plan = "plan small.toml --tasks 3 --out a";
+    desk.refused(plan, 73, "a smaller study (`trials` is `4`, but `2` there)");
     desk.done("run small.toml --out a --quiet");
     desk.done("task a 2 --quiet");
     assert_eq!(desk.trials("a").len(), 16);

@@ -273,7 +273,7 @@ fn journals_that_contradict_themselves_or_each_other_are_refused() {
     desk.refused(
         "status a",
         65,
-        "another result of trial 2 than an earlier line",
+        "another result of trial 1 of maze4 xcscr grid neighbours than an earlier line",
     );
     keep(&path, &sound);
     // Another journal, beside this one and in another folder.
@@ -282,11 +282,19 @@ fn journals_that_contradict_themselves_or_each_other_are_refused() {
     let name = "00001-zzzzzzzzzz";
     let twin = path.with_file_name(name);
     keep(&twin, &lines);
-    desk.refused("merge a --out c", 65, "another result of trial 0");
+    desk.refused(
+        "merge a --out c",
+        65,
+        "another result of trial 1 of maze4 xcs grid",
+    );
     desk.refused("merge a --out c", 65, name);
     fs::remove_file(twin).unwrap();
     keep(&folder::journal(&desk.path("b")), &lines);
-    desk.refused("merge a --out b", 65, "another result of trial 0");
+    desk.refused(
+        "merge a --out b",
+        65,
+        "another result of trial 1 of maze4 xcs grid",
+    );
 }
 
 #[test]

@@ -81,10 +81,10 @@ impl StudyFolder {
         match self.records.insert(record) {
             true => Ok(()),
             false => Err(ErrorKind::BadData.error(format!(
-                "{} contains another result of trial {} than an earlier line or journal: the plan is the \
+                "{} contains another result of {} than an earlier line or journal: the plan is the \
                  same, so the program or the machine may differ",
                 place.display(),
-                record.trial
+                self.trial_name(record.trial)
             ))),
         }
     }
@@ -272,17 +272,20 @@ impl StudyFolder {
         if stored.is_none_or(|stored| stored.equals(repeated)) {
             return Ok(());
         }
-        let protocol = self.protocol();
-        let (number, arm) = (
-            protocol.replicate(repeated.trial),
-            protocol.arm(repeated.trial).name(),
-        );
         Err(ErrorKind::BadData.error(format!(
-            "trial {number} of {arm} has another result when it is repeated than the one stored in {}: the program, the \
+            "{} has another result when it is repeated than the one stored in {}: the program, the \
              machine or the agent has changed, or the agent is not deterministic; run the study again in another \
              folder (`--out`)",
+            self.trial_name(repeated.trial),
             self.path().display()
         )))
+    }
+
+    /// Returns the name of a trial as in `trials.csv`: its number within its arm, and the arm.
+    fn trial_name(&self, trial: usize) -> String {
+        let protocol = self.protocol();
+        let (number, arm) = (protocol.replicate(trial), protocol.arm(trial).name());
+        format!("trial {number} of {arm}")
     }
 
     /// Checks that all trials are finished.

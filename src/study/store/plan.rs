@@ -120,6 +120,13 @@ impl PlannedStudy {
         }
         let found = Self::read(path)?;
         match (protocol.id(), tasks.unwrap_or(found.tasks)) {
+            (wanted, _) if wanted != found.plan && found.extended(&protocol).is_some() => {
+                Err(ErrorKind::CannotCreate.error(format!(
+                    "{folder} contains a smaller study ({}): add its trials with `study run`, or choose \
+                     another folder with `--out`",
+                    protocol.differences(&found.protocol)
+                )))
+            }
             (wanted, _) if wanted != found.plan => Err(ErrorKind::CannotCreate.error(format!(
                 "{folder} contains another study ({}): choose another folder with `--out`, or replace \
                  that study with `study run --force`",
