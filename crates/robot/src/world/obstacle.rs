@@ -45,7 +45,7 @@ mod tests {
         let [width, height] = [70, 50];
         let is_wall = |at: usize| {
             let (col, row) = (at % width, at / width);
-            col < 6 || col > 62 || row < 7 || row > 44 || (col == 30 && row < 24)
+            !(6..=62).contains(&col) || !(7..=44).contains(&row) || (col == 30 && row < 24)
         };
         let row = |row: usize| {
             let letters = (0..width).map(|col| {
