@@ -293,12 +293,12 @@ fn the_main_direction_of_the_walls_is_found_and_the_grid_follows_it() {
 
 /// The map of a world from a map, in a folder.
 fn written(maze: &Maze, edit: impl Fn(&mut Vec<u8>)) -> Result<Maze, String> {
-    let map = crate::maps::Map(tempfile::tempdir().unwrap());
+    let map = super::maps::Map(tempfile::tempdir().unwrap());
     let mut files = maze.to_map("map.pgm");
     edit(&mut files.image);
     map.keep("map.yaml", files.yaml.as_bytes());
     map.keep("map.pgm", &files.image);
-    let gridded = crate::maps::plain().of(&map.load().unwrap());
+    let gridded = super::maps::plain().of(&map.load().unwrap());
     gridded
         .map(|gridded| gridded.maze)
         .map_err(|fault| fault.to_string())
@@ -309,7 +309,7 @@ fn a_world_from_a_map_is_written_with_its_pixels_and_read_back() {
     let maze = Flat::new().turned(0.5, flat::TILT_RAD).maze;
     assert_eq!(written(&maze, |_| ()).unwrap(), maze);
     let files = maze.to_map("map.pgm");
-    let map = crate::maps::Map(tempfile::tempdir().unwrap());
+    let map = super::maps::Map(tempfile::tempdir().unwrap());
     map.keep("map.yaml", files.yaml.as_bytes());
     map.keep("map.pgm", &files.image);
     let map = map.load().unwrap();
