@@ -97,7 +97,7 @@ mod tests {
         };
         assert_eq!(walls.len(), 4);
         assert_eq!(walls[0], shape(0, 5, 35, 10));
-        assert_eq!(walls[2], shape(30, 10, 35, 20));
+        assert_eq!(walls[2], shape(30, 10, 35, 25));
         let maze = r#####"{ "rows": ["####", "#SG#", "####"] }"#####;
         let maze = Maze::from_json(maze.as_bytes(), "hall.json").unwrap();
         assert_eq!(plane(&maze).true_walls(), [], "control: a maze");

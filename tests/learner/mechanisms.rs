@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use xcscr::agent::Method;
 use xcscr::arena::{ArenaKind, Outcome};
 use xcscr::episode::{Episode, Learned, Observer, Step};
+use xcscr::sensor::Sensor;
 use xcscr::trial::{Plan, Settings, Trial};
 use xcscr::world::Maze;
 
@@ -160,4 +161,19 @@ fn defaults_belong_to_a_method_and_settings_that_were_changed_stay() {
         settings.xcs.population_size = 999
     });
     assert_eq!(population(&own.method(Method::XcscrPlus)), 999);
+}
+
+#[test]
+fn exploration_goes_on_until_a_goal_is_found_although_predictions_are_wrong() {
+    // With coordinates alone, rules about collisions generalise over columns and rows, and are often wrong. With
+    // these seeds they once said that each untried action collides, before the goal was found.
+    for seed in [1_710_772_258_176_308, 1, 2, 3] {
+        let plan = gridded(world("dfs-12-5"), Method::XcscrPlus).sensor(Sensor::Position);
+        let trial = plan.episodes(60).seed(seed).run().unwrap();
+        let progress = trial.progress();
+        assert!(
+            progress.first_optimal_episode.is_some(),
+            "seed {seed}: {progress:?}"
+        );
+    }
 }

@@ -215,7 +215,7 @@ fn mutants_of_plans_with_right_checksums() {
         );
         replace(
             &journal,
-            format!("xcscr study journal 3, plan {plan}\n{records}"),
+            format!("xcscr study journal 4, plan {plan}\n{records}"),
         );
         is_read(desk.folder(), numbers.next())
     });

@@ -1,8 +1,5 @@
 //! Planned exploration over percepts: the path to the nearest action whose optimistic value exceeds the known
 //! value.
-//!
-//! Frontier exploration ([`frontier`](super::frontier)) is another algorithm. It needs no transition model, because
-//! cells have places: it walks to the nearest unvisited cell, whatever its value.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -27,8 +24,8 @@ pub(in crate::agent) struct Inputs<'a> {
 }
 
 /// Searches forward from the present percept. An untried action is assumed to lead straight to the
-/// goal, unless a collision or a return is predicted. The path found is followed until something
-/// new is learned.
+/// goal, unless a collision or a return is predicted. If nothing is left to try, but no path to a goal
+/// is known, the predictions are ignored. The path found is followed until something new is learned.
 #[derive(Debug, Clone)]
 pub(in crate::agent) struct Exploration {
     actions: usize,
@@ -130,7 +127,11 @@ impl Exploration {
             if self.is_exhausted(from) {
                 return None;
             }
-            self.find(from, inputs, stream);
+            self.find(from, inputs, true, stream);
+            if self.path.is_empty() && inputs.known.value(from) <= 0.0 {
+                // No path to a goal is known, so a prediction must be wrong.
+                self.find(from, inputs, false, stream);
+            }
             if self.path.is_empty() {
                 self.set_exhausted(from);
             }
@@ -162,8 +163,9 @@ impl Exploration {
         false
     }
 
-    /// Finds the path with the greatest optimistic value.
-    fn find(&mut self, from: usize, inputs: &Inputs<'_>, stream: &mut Stream) {
+    /// Finds the path with the greatest optimistic value. Untried actions are as good as predicted if
+    /// predictions are trusted, and lead straight to the goal otherwise.
+    fn find(&mut self, from: usize, inputs: &Inputs<'_>, trusts: bool, stream: &mut Stream) {
         let mut best = inputs.known.value(from) * (1.0 + NEGLIGIBLE);
         self.search.begin(from, inputs.model.percepts().len());
         while let Some((factor, percept)) = self.search.pop() {
@@ -178,15 +180,22 @@ impl Exploration {
                     if let Some((next, left)) = self.step(percept, action, inputs) {
                         self.search.push(factor * left, next, (percept, action));
                     }
-                } else if let Some(next) =
-                    inputs.known.predicted_return(inputs.model, percept, action)
+                } else if let Some(next) = inputs
+                    .known
+                    .predicted_return(inputs.model, percept, action)
+                    .filter(|_| trusts)
                 {
                     let slips = inputs.model.slips();
                     let factor = factor * slips.discount(inputs.known.gamma());
                     self.search.push(factor, next, (percept, action));
                 } else {
-                    let value = factor * values[action.index()];
-                    self.search.offer(value, (percept, action), &mut best);
+                    let value = if trusts {
+                        values[action.index()]
+                    } else {
+                        self.goal
+                    };
+                    self.search
+                        .offer(factor * value, (percept, action), &mut best);
                 }
             }
         }

@@ -52,7 +52,7 @@ pub struct Pilot {
     /// metres.
     lengths_m: [f64; 2],
     cell_size_m: f64,
-    /// In a world from a map: the map.
+    /// The map of a robot that localises itself in a world from a map.
     map: Option<Maze>,
     action: Option<Action>,
 }
@@ -62,6 +62,7 @@ impl Pilot {
     /// in a world from a map the map.
     pub fn new(params: &PhysicsParams, maze: &Maze) -> Self {
         let cell_size_m = maze.cell_size_m();
+        let knows_map = maze.is_from_map() && params.localisation == Localisation::Estimated;
         let localiser = match params.localisation {
             Localisation::GroundTruth => Localiser::Told(Motion::at_rest(Isometry2::identity())),
             Localisation::Estimated => {
@@ -78,7 +79,7 @@ impl Pilot {
             params: params.clone(),
             lengths_m: lengths_m(maze, params),
             cell_size_m,
-            map: maze.is_from_map().then(|| maze.clone()),
+            map: knows_map.then(|| maze.clone()),
             action: None,
         }
     }
