@@ -460,3 +460,11 @@ fn unknown_pixels_that_count_as_free_are_told_and_only_those() {
         }
     }
 }
+
+#[test]
+fn a_map_in_which_no_cell_is_free_is_refused_with_the_numbers_of_its_pixels() {
+    let map = Map::drawn(&["###", "# #", "#?#"]);
+    let fault = map.gridded(0.3, None, [0.15, 0.15]).unwrap_err();
+    let words = "no cell is free: 7 of the 9 pixels are occupied and 1 unknown; check `negate`";
+    assert!(fault.to_string().contains(words), "{fault}");
+}

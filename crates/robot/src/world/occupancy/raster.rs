@@ -81,11 +81,8 @@ impl<'a> Raster<'a> {
         solid
     }
 
-    /// Explains why no cell is free, for a message; empty if the pixels do not tell.
+    /// Explains why no cell is free, for a message.
     pub fn reason(&self) -> String {
-        if self.free.contains(&true) {
-            return String::new();
-        }
         let [_, occupied, unknown] = self.map.counts();
         format!(
             ": {occupied} of the {} pixels are occupied and {unknown} unknown; check `negate` and \
