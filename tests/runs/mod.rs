@@ -18,3 +18,5 @@ mod resume;
 mod robustness;
 mod signals;
 mod train;
+#[cfg(all(unix, feature = "long"))]
+mod unpacked;

@@ -7,6 +7,7 @@ mod gridding;
 mod maps;
 mod metres;
 mod nav2;
+mod nav2_images;
 mod physics;
 mod sensing;
 mod sensing_robots;
