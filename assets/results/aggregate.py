@@ -61,6 +61,8 @@ def read(path, score):
             scores = own.setdefault(world, [])
             if not row["error"] and (score != "path" or row["greedy_score"]):
                 scores.append(SCORES[score](row))
+    if not methods:
+        raise SystemExit(f"{path} has no trials")
     shared = [world for world in next(iter(methods.values())) if all(own.get(world) for own in methods.values())]
     return {name: [own[world] for world in shared] for name, own in methods.items()}, shared
 
@@ -89,6 +91,7 @@ def main():
     if reference not in methods or not worlds:
         arguments.error(f"give a reference of {', '.join(methods)}, and a study with scores in a world that all of them share")
     print(f"score {options.score}, worlds: {', '.join(worlds)}")
+    print("trials: " + ", ".join(f"{name} {sum(map(len, own))}" for name, own in methods.items()) + "; failed trials are left out")
     print("method: IQM [95 % interval]; share of trials with a score of at least " + ", ".join(map(str, THRESHOLDS)))
     for name, own in methods.items():
         value, low, high = bootstrap(iqm, own)

@@ -38,8 +38,8 @@ pub struct TrainArgs {
     /// Arena of the robot: simulated physics, or a plain grid.
     #[arg(long, default_value = "physics", value_parser = choices::arena())]
     arena: ArenaKind,
-    /// Percept of the robot [default: lidar in physics, neighbours on the grid; in mazes of more
-    /// than 1,024 cells without auxiliary rewards, the same with the robot's position].
+    /// Percept of the robot [default: lidar-position in physics; on the grid neighbours, or
+    /// neighbours-position where cells share a percept but need different actions].
     #[arg(long, value_parser = choices::sensor())]
     sensor: Option<Sensor>,
     /// Number of episodes.

@@ -284,7 +284,8 @@ impl TrainReport {
 /// Returns the first two cells with the same percept.
 fn aliased_cells(trial: &Trial) -> Option<(String, String)> {
     let Plan { maze, config } = trial.plan();
-    let groups = match maze.is_too_large() {
+    let has_history = config.settings.sensor.history > 0;
+    let groups = match maze.is_too_large() || has_history {
         true => Vec::new(),
         false => config.sensor.aliased_cells(maze),
     };

@@ -14,6 +14,10 @@ const MOST_VISITS: usize = 100_000;
 /// and need different actions, whichever shortest paths the policy takes.
 pub fn needs_memory(plan: &Plan) -> bool {
     let plan = plan.clone().settled();
+    if plan.config.settings.sensor.history > 0 {
+        // The percept has a memory.
+        return false;
+    }
     let (maze, sensor) = (&plan.maze, plan.config.sensor);
     let paths = Paths::with_slip(maze, plan.config.settings.arena.slip);
     if !sensor.misleads(maze, &paths) {

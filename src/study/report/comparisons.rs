@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use super::results::shown;
+use crate::arena::ArenaKind;
 use crate::page::Table;
+use crate::sensor::Sensor;
 use crate::study::analysis::summary::{ArmRecords, by_score, by_steps, by_success};
 use crate::study::protocol::{Arm, NOTHING};
 use crate::study::statistics::{Interval, holm, rounded, trials_needed};
@@ -139,7 +141,8 @@ struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    /// Creates a pair in the family of all pairs of this kind with the same setting.
+    /// Creates a pair in the family of all pairs of this kind in one arena with one percept: in all
+    /// worlds, and under all settings that vary.
     fn new(
         kind: &str,
         one: &'a ArmRecords<'a>,
@@ -149,7 +152,7 @@ impl<'a> Pair<'a> {
         Self {
             one,
             other,
-            family: format!("{kind} {}", names[2]),
+            family: format!("{kind} {} {}", one.arm.arena.name(), one.arm.sensor.name()),
             names,
         }
     }
@@ -202,13 +205,10 @@ fn pairs_without<'a>(arms: &'a [ArmRecords<'a>], key: &str) -> Vec<Pair<'a>> {
     arms.iter().filter_map(pair).collect()
 }
 
-/// Pairs each value of a swept setting with its first one, where everything else is the same. All pairs of a place and
-/// method are a family. Returns none for large searches.
+/// Pairs each value of a swept setting with its first one, where everything else is the same. A family
+/// spans all worlds and values of a method. Returns none for large searches
+/// ([`of_searches`]).
 fn pairs_of_values<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
-    let place = |arm: &Arm| {
-        let (world, method) = (arm.world.clone(), arm.method_name().to_owned());
-        (world, method, arm.arena, arm.sensor)
-    };
     let pair = |one: &'a ArmRecords<'a>, key: &String| {
         let (there, setting) = (place(one.arm), setting(one.arm, key));
         let same_place = || arms.iter().filter(|other| place(other.arm) == there);
@@ -218,13 +218,9 @@ fn pairs_of_values<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
         if ours == theirs || same_place().count() > MOST_VALUES {
             return None;
         }
-        let ours = format!("{} {ours}", one.arm.method_name());
-        Some(Pair {
-            one,
-            other,
-            names: [ours, theirs, setting],
-            family: format!("values {there:?}"),
-        })
+        let method = one.arm.method_name();
+        let names = [format!("{method} {ours}"), theirs, setting];
+        Some(Pair::new(&format!("values {method}"), one, other, names))
     };
     let is_swept = |key: &&String| !AGAINST_NOTHING.contains(&key.as_str());
     let of_arm = |one: &'a ArmRecords<'a>| {
@@ -232,6 +228,25 @@ fn pairs_of_values<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
         keys.filter_map(move |key| pair(one, key))
     };
     arms.iter().flat_map(of_arm).collect()
+}
+
+/// Returns world, method, arena and sensor.
+fn place(arm: &Arm) -> (&str, &str, ArenaKind, Sensor) {
+    (&arm.world, arm.method_name(), arm.arena, arm.sensor)
+}
+
+/// Returns a sentence about sweeps whose values are not compared; `None` without them.
+pub fn of_searches(arms: &[Arm]) -> Option<String> {
+    let is_search = |arm: &Arm| {
+        let same = arms.iter().filter(|other| place(other) == place(arm));
+        !arm.variant.0.is_empty() && same.count() > MOST_VALUES
+    };
+    arms.iter().any(is_search).then(|| {
+        format!(
+            "A sweep of more than {MOST_VALUES} combinations is a search. Its values are not compared: the best of \
+             many looks better than it is. Test the best ones in a study with new seeds."
+        )
+    })
 }
 
 /// Returns a varied setting and its value, as in `xcs.beta=0.1`. Another table of the sweep may not

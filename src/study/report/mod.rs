@@ -173,6 +173,7 @@ impl Report {
     fn limits(&self) -> Vec<String> {
         let mut limits = vec![results::limits(&self.arms, self.episodes)];
         limits.extend(conclusions::undecided(&self.comparisons));
+        limits.extend(comparisons::of_searches(&self.protocol.arms));
         if !self.comparisons.is_empty() {
             limits.push(conclusions::power(self.trials));
         }

@@ -65,10 +65,10 @@ fn why_unread(key: &str, method: Method, arena: ArenaKind) -> Option<&'static st
         "physics" if arena == ArenaKind::Grid => Some("the arena `grid` has no robot"),
         "xcs" if !method.learns_rules() => Some("only classifier systems read it"),
         "tabular" if !is_tabular => Some("only `q-learning`, `sarsa-lambda` and `dyna-q` read it"),
-        "plus" if !has_model => Some("only `xcscr-plus` and `r-max` read it"),
-        "plus" if method == Method::RMax && ["replay", "guided_covering"].contains(&name) => {
-            Some("only `xcscr-plus` reads it")
+        "plus" if ["replay", "guided_covering"].contains(&name) => {
+            (method != Method::XcscrPlus).then_some("only `xcscr-plus` reads it")
         }
+        "plus" if !has_model => Some("only `xcscr-plus` and `r-max` read it"),
         "reward" if STANDARD_REWARDS.contains(&name) => {
             (!is_standard).then_some("only `xcs` and `xcsam` read it")
         }
@@ -97,7 +97,7 @@ mod tests {
         let said = |method, set| unread(method, ArenaKind::Grid, set);
         assert_eq!(
             said(Method::QLearning, "plus.replay=false"),
-            ["--set: `plus.replay` has no effect: only `xcscr-plus` and `r-max` read it"]
+            ["--set: `plus.replay` has no effect: only `xcscr-plus` reads it"]
         );
         assert_eq!(
             said(Method::XcscrPlus, "physics.noise=2"),
