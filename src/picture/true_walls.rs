@@ -6,9 +6,6 @@ use super::colours::css;
 use super::drawing::{FLOOR, HEAD, Plane, WALL};
 use super::svg::{Element, short};
 
-/// The most blocks of walls in a picture.
-const MOST_BLOCKS: usize = 1 << 16;
-
 impl Plane<'_> {
     /// Returns the part of the picture that the raster of the walls covers.
     pub fn raster(&self) -> Option<Element> {
@@ -24,8 +21,7 @@ impl Plane<'_> {
             return Vec::new();
         }
         let solid = self.maze.solid();
-        let mut blocks = solid.blocks();
-        blocks.truncate(MOST_BLOCKS);
+        let blocks = solid.blocks();
         let wall = |block| self.rectangle(solid.middle_of(block), solid.size_of(block), WALL);
         blocks.iter().filter_map(wall).collect()
     }

@@ -203,16 +203,21 @@ impl Robustness {
         knowledge: &Knowledge,
         drives: (u32, &dyn Fn() -> bool),
     ) -> Result<(), Error> {
-        match with_box(plan, knowledge) {
-            Some(plan) => {
-                let result = ConditionResult::of(WITH_BOX, &plan, knowledge, drives)?;
-                self.conditions.push(result);
-            }
-            None => self.left_out.push(LeftOut {
-                condition: WITH_BOX,
-                reason: "no box on the route leaves another way",
-            }),
-        }
+        let reason = match plan.maze.start() {
+            None => "the world has no start cell, so there is no route",
+            Some(_) => match with_box(plan, knowledge) {
+                Some(plan) => {
+                    let result = ConditionResult::of(WITH_BOX, &plan, knowledge, drives)?;
+                    self.conditions.push(result);
+                    return Ok(());
+                }
+                None => "no box on the route leaves another way",
+            },
+        };
+        self.left_out.push(LeftOut {
+            condition: WITH_BOX,
+            reason,
+        });
         Ok(())
     }
 }

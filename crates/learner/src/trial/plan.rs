@@ -86,12 +86,14 @@ impl Config {
     }
 
     /// Returns an agent that follows knowledge in a maze without learning. In a world from a map it takes other ways
-    /// around obstacles; with a history it does not.
+    /// around obstacles, unless moves slip or percepts have a history.
     pub fn policy(&self, knowledge: Knowledge, maze: &Maze) -> Box<dyn Agent> {
         let limit = self.settings.reward.step_threshold;
         let frozen = Frozen::new(knowledge, maze.action_count(), limit);
-        match self.settings.sensor.history {
-            0 => Box::new(frozen.with_detours(self.sensor, maze)),
+        let Settings { sensor, arena, .. } = &self.settings;
+        match (sensor.history, arena.slip > 0.0) {
+            (0, false) => Box::new(frozen.with_detours(self.sensor, maze)),
+            // A slipped move says nothing about the chosen one.
             _ => self.with_history(Box::new(frozen), maze),
         }
     }

@@ -33,8 +33,9 @@ const VISITS: u32 = 2;
 
 /// Other ways around moves that are blocked. A move to a cell that was visited twice in this episode,
 /// or to which a collision barred the way, comes after all others. So a robot in front of a box
-/// neither repeats the move nor turns back and forth for ever. Without obstacles a policy comes to
-/// each cell once.
+/// neither repeats the move nor turns back and forth for ever. All this begins with the first sign of
+/// something that is not in the map: a move that only the percept shows as closed, or a collision.
+/// Before that, the best action is taken.
 #[derive(Debug, Clone)]
 struct Detours {
     maze: Maze,
@@ -43,6 +44,8 @@ struct Detours {
     bits: usize,
     /// The numbers of bits that show column and row. They are the last ones of the percept.
     place_bits: [usize; 2],
+    /// True if something that is not in the map was met in this episode.
+    has_begun: bool,
     visits: BTreeMap<Cell, u32>,
     collisions: BTreeMap<(Cell, Action), u32>,
 }
@@ -65,6 +68,17 @@ impl Detours {
     fn is_closed(&self, percept: &Percept, action: Action) -> bool {
         let first = self.bits * action.index();
         self.bits > 0 && !percept.bit(first) && percept.bit(first + 1)
+    }
+
+    /// Returns true if the percept shows a move as closed that is open in the map.
+    fn sees_obstacle(&self, percept: &Percept) -> bool {
+        let cell = self.cell(percept);
+        let is_in_map = |action| {
+            let direction = self.maze.direction(action);
+            direction.is_none_or(|direction| self.maze.step(cell, direction).is_none())
+        };
+        Action::all(self.maze.action_count())
+            .any(|action| self.is_closed(percept, action) && !is_in_map(action))
     }
 
     /// Returns how late an action comes: 0 for the first ones.
@@ -116,6 +130,7 @@ impl Frozen {
             },
             place_bits: sensor.place_bits(maze),
             maze: maze.clone(),
+            has_begun: false,
             visits: BTreeMap::new(),
             collisions: BTreeMap::new(),
         });
@@ -131,6 +146,10 @@ impl Frozen {
     ) -> Option<(Action, bool)> {
         let (detours, percept) = (self.detours.as_mut()?, self.percept?);
         *detours.visits.entry(detours.cell(&percept)).or_default() += 1;
+        detours.has_begun |= detours.sees_obstacle(&percept);
+        if !detours.has_begun {
+            return None;
+        }
         let candidates = detours.candidates(&percept);
         let mut best = values.best_actions();
         if values.greatest().is_some() && best.all(|action| candidates.contains(&action)) {
@@ -186,6 +205,7 @@ impl Agent for Frozen {
         if let (true, Some(detours), Some(percept)) = (is_blocked, &mut self.detours, self.percept)
         {
             let cell = detours.cell(&percept);
+            detours.has_begun = true;
             *detours.collisions.entry((cell, action)).or_default() += 1;
         }
         self.matching(action)
@@ -193,6 +213,7 @@ impl Agent for Frozen {
 
     fn end_episode(&mut self, _: bool) -> EndCredit {
         if let Some(detours) = &mut self.detours {
+            detours.has_begun = false;
             detours.visits.clear();
             detours.collisions.clear();
         }

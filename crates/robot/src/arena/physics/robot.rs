@@ -126,10 +126,10 @@ impl Robot {
         self.advance();
     }
 
-    /// Reads the sensors after a step.
+    /// Reads the sensors after a step. Before the first step the robot has not moved.
     pub fn read(&mut self) -> Readings<'_> {
         let moment = Moment {
-            step: self.steps - 1,
+            step: self.steps.saturating_sub(1),
             before: self.before,
             after: self.motion().pose,
             travel_m: self.wheels.travel_m,

@@ -15,8 +15,8 @@ use crate::world::source::{Source, quoted};
 const PIXEL_M: std::ops::RangeInclusive<f64> = 0.001..=10.0;
 /// The smallest and the largest radius of a disc on its way between cells, in metres.
 const RADIUS_M: std::ops::RangeInclusive<f64> = 0.01..=10.0;
-/// The largest number of pixels, as in maps.
-const MAX_PIXELS: usize = 64_000_000;
+/// The largest number of pixels: those of the largest map, and the border around them.
+const MAX_PIXELS: usize = 65_000_000;
 const HELP: &str = "`solid` is the true shape of the walls: `pixel_m`, `corner`, `radius_m` and \
                     `rows`, written by `xcscr world convert`; convert the map again";
 
@@ -190,7 +190,7 @@ mod tests {
                 "row 2 has 5 pixels, the first one 6",
             ),
             ("6#", "6", "row 1: "),
-            ("6#", "99999999999#", "more than 64000000 pixels"),
+            ("6#", "99999999999#", "more than 65000000 pixels"),
             ("6#", "", "row 1 has 0 pixels"),
             ("0.5,", "0,", "`pixel_m` is 0"),
             ("0.3,", "0,", "`radius_m` is 0"),
