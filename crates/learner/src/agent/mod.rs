@@ -109,7 +109,7 @@ pub trait Agent {
     fn step_threshold(&self) -> u32;
 
     /// Returns the value of each action in a percept, without changing anything. The percept is followed by the
-    /// [`history`](Self::history).
+    /// [`first_history`](Self::first_history).
     fn values(&self, percept: &Percept) -> PredictionArray;
 
     /// Returns what was learned so far.

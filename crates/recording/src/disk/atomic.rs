@@ -27,10 +27,10 @@ pub fn write(path: &Path, bytes: &[u8], force: bool) -> io::Result<()> {
     persist(temporary, path, force)
 }
 
-/// Writes a file and replaces an existing one; see [`write`].
+/// Writes a file and replaces an existing one; see [`write()`].
 ///
 /// # Errors
-/// The same as [`write`].
+/// The same as [`write()`].
 pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write(path, bytes, true)
 }
@@ -38,7 +38,7 @@ pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Like [`replace`], for content that is written piece by piece.
 ///
 /// # Errors
-/// The same as [`write`], and the errors of the `write` argument.
+/// The same as [`write()`], and the errors of the `write` argument.
 pub fn replace_with(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
