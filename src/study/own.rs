@@ -112,7 +112,8 @@ impl Study {
     }
 
     /// Runs the missing trials of the study in the folder `out`, on `jobs` threads (all cores when
-    /// 0). The results do not depend on `jobs`.
+    /// 0). The results do not depend on `jobs`. A smaller study in the folder stays there until the last trial is
+    /// finished.
     ///
     /// # Errors
     /// When the folder contains another study, is in use, or cannot be written, or a custom agent has another result
@@ -135,6 +136,9 @@ impl Study {
             if !folder.missing_of(task).is_empty() {
                 break;
             }
+        }
+        if folder.missing().is_empty() {
+            folder.replace_smaller()?;
         }
         Ok(folder)
     }

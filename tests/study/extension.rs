@@ -45,17 +45,60 @@ fn an_extended_study_is_as_if_it_had_been_run_at_once_and_repeats_no_trial() {
 }
 
 #[test]
-fn a_study_in_tasks_is_extended_too() {
+#[cfg(unix)]
+fn a_smaller_study_stays_until_the_larger_one_is_finished() {
     let desk = Desk::new();
-    desk.done("plan small.toml --trials 2 --tasks 3 --out a");
-    desk.done("task a 2 --quiet");
-    let plan = "plan small.toml --tasks 3 --out a";
-    desk.refused(plan, 73, "a smaller study (`trials` is `4`, but `2` there)");
-    desk.done("run small.toml --out a --quiet");
-    desk.done("task a 2 --quiet");
-    assert_eq!(desk.trials("a").len(), 16);
-    desk.done("merge a");
-    desk.assert_whole("a/result");
+    desk.done("run small.toml --trials 2 --out a --quiet");
+    let [plan, before] = [desk.read("a/study.json"), desk.done("report a")];
+    let files = results(&desk, "a");
+    for kept in [10, 14] {
+        desk.signalled(
+            "run small.toml --trials 40 --out a --jobs 1",
+            "a",
+            kept,
+            "KILL",
+        );
+        // Without its number, and with it.
+        for command in ["report a", "run small.toml --trials 2 --out a --quiet"] {
+            assert_eq!(desk.done(command), before);
+            assert_eq!(desk.read("a/study.json"), plan);
+            assert!(
+                files == results(&desk, "a"),
+                "{command} changed the results"
+            );
+        }
+    }
+    let kept = desk.trials("a").len();
+    assert!(
+        (14..160).contains(&kept),
+        "control: {kept} trials were kept"
+    );
+    desk.done("run small.toml --trials 40 --out a --quiet");
+    assert_eq!(desk.trials("a").len(), 160);
+    desk.done("run small.toml --trials 40 --out b --quiet");
+    assert!(results(&desk, "a") == results(&desk, "b"));
+}
+
+#[test]
+fn nothing_is_added_to_a_study_in_tasks_but_to_its_merged_study() {
+    let desk = Desk::new();
+    for (folder, tasks) in [("a", 1), ("b", 3)] {
+        desk.done(&format!(
+            "plan small.toml --trials 2 --tasks {tasks} --out {folder}"
+        ));
+        for task in 1..=tasks {
+            desk.done(&format!("task {folder} {task} --quiet"));
+        }
+        desk.done(&format!("merge {folder}"));
+        let merged = format!("{folder}/result");
+        let before = results(&desk, &merged);
+        let run = format!("run small.toml --quiet --out {folder}");
+        let message = format!("add the trials to its merged study with `--out {merged}`");
+        desk.refused(&run, 73, &message);
+        assert_eq!(results(&desk, &merged), before);
+        desk.done(&format!("{run}/result"));
+        assert_eq!(results(&desk, &merged), results(&Desk::finished(), "whole"));
+    }
 }
 
 #[test]

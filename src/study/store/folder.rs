@@ -50,10 +50,8 @@ impl StudyFolder {
             force: false,
             _lock: None,
         };
-        // An earlier plan has other trials in a task.
-        let is_split = folder.planned.earlier().is_empty();
         for (other, path) in folder.planned.journals()? {
-            if task.is_none_or(|task| task == other || !is_split) {
+            if task.is_none_or(|task| task == other) {
                 folder.read_journal(&path)?;
             }
         }
@@ -103,31 +101,42 @@ impl StudyFolder {
         })
     }
 
-    /// Creates or reopens the folder of a study, and locks it for writing. Adds the trials, methods and
-    /// worlds that the study in the folder lacks.
+    /// Creates or reopens the folder of a study, and locks it for writing. The folder may contain a smaller
+    /// study, which stays there until [`Self::replace_smaller`].
     ///
     /// # Errors
     /// When the folder is in use or contains something else, or an error of the file system.
     pub(in crate::study) fn open(path: &Path, protocol: &Protocol) -> Result<Self, Error> {
         let is_new = !PlannedStudy::is_in(path);
-        if !is_new {
-            Self::extend(path, protocol)?;
+        if is_new || PlannedStudy::read(path)?.extended(protocol).is_none() {
+            let tasks = is_new.then_some(1);
+            PlannedStudy::in_folder(path, protocol.clone(), tasks)?.make()?;
         }
-        let tasks = is_new.then_some(1);
-        PlannedStudy::in_folder(path, protocol.clone(), tasks)?.make()?;
-        Self::read_locked(path)
+        let found = Self::read_locked(path)?;
+        let Some(larger) = found.planned.extended(protocol) else {
+            return Ok(found);
+        };
+        found.planned.require_one_task()?;
+        Ok(Self {
+            _lock: found._lock,
+            ..Self::of(larger, None)?
+        })
     }
 
-    /// Replaces the plan in a folder by one that adds trials, methods or worlds, and removes the files
-    /// generated from the earlier trials. The journals stay as they are.
-    fn extend(path: &Path, protocol: &Protocol) -> Result<(), Error> {
-        let found = PlannedStudy::read(path)?;
-        let Some(extended) = found.extended(protocol) else {
-            return Ok(());
-        };
-        let _lock = lock(path)?;
-        Self::remove_outputs(path)?;
-        extended.write(true)
+    /// Replaces a smaller study in the folder by this one, which must be complete, and removes the files
+    /// generated from the smaller one. The journals stay as they are.
+    pub(in crate::study) fn replace_smaller(&self) -> Result<(), Error> {
+        match self.contains_smaller()? {
+            true => {
+                Self::remove_outputs(self.path())?;
+                self.planned.write(true)
+            }
+            false => Ok(()),
+        }
+    }
+
+    fn contains_smaller(&self) -> Result<bool, Error> {
+        Ok(PlannedStudy::read(self.path())?.plan() != self.plan())
     }
 
     /// Replaces another study in a folder by this one: removes its trials and the files generated
@@ -159,7 +168,7 @@ impl StudyFolder {
     /// Removes the failed trials and what was generated from them, so that the trials are run again. Their lines stay in
     /// the journals until a result replaces them.
     pub(in crate::study) fn remove_failed(&mut self) -> Result<(), Error> {
-        match self.records.remove_failed() {
+        match self.records.remove_failed() && !self.contains_smaller()? {
             true => Self::remove_outputs(self.path()),
             false => Ok(()),
         }
@@ -185,6 +194,7 @@ impl StudyFolder {
             }
             journal.sync()?;
         }
+        merged.replace_smaller()?;
         Ok(merged)
     }
 

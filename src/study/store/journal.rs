@@ -20,6 +20,8 @@ const MOST_LINE_BYTES: u64 = 1 << 20;
 const MAGIC: &str = "xcscr study journal";
 /// The version of the line format.
 const FORMAT: u32 = 4;
+/// The words of a header between its plan and the plan that it adds trials to.
+const LARGER_THAN: &str = ", larger than ";
 /// The random characters at the end of a name.
 const RANDOM_CHARACTERS: usize = 10;
 
@@ -31,8 +33,14 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Starts a journal of a task in a new file in `folder`.
-    pub fn begin(folder: &Path, task: usize, plan: &str) -> Result<Self, Error> {
+    /// Starts a journal of a task in a new file in `folder`. `smaller` is the plan to which this plan adds
+    /// trials.
+    pub fn begin(
+        folder: &Path,
+        task: usize,
+        plan: &str,
+        smaller: Option<&str>,
+    ) -> Result<Self, Error> {
         let mut builder = tempfile::Builder::new();
         let prefix = format!("{task:05}-");
         builder.prefix(&prefix).rand_bytes(RANDOM_CHARACTERS);
@@ -44,7 +52,7 @@ impl Journal {
         let kept = made.keep();
         let (file, path) = kept.map_err(|fault| error::io(folder)(fault.error))?;
         let mut journal = Self { path, file };
-        let begun = journal.file.write_all(header(plan).as_bytes());
+        let begun = journal.file.write_all(header(plan, smaller).as_bytes());
         begun
             .and_then(|()| journal.file.sync_all())
             .map_err(error::io(&journal.path))?;
@@ -89,7 +97,7 @@ pub fn is_journal(path: &Path) -> Result<bool, Error> {
 }
 
 /// Calls `each` with the records of a journal, in the order of its lines, and with the place of its
-/// plan in `plans`. An incomplete last line is ignored.
+/// plan in `plans`. An incomplete last line is ignored, and so is the journal of a larger plan.
 ///
 /// # Errors
 /// When the journal belongs to none of the plans, or a line before the last is
@@ -102,17 +110,18 @@ pub fn read(
     let file = disk::open(path).map_err(error::io(path))?;
     let mut lines = BufReader::new(file);
     let mut next = || next_line(&mut lines).map_err(error::io(path));
-    let headers: Vec<String> = plans.iter().map(|plan| header(plan)).collect();
     let first = next()?;
-    let own = headers.iter().position(|own| own.as_bytes() == first);
-    let Some(plan) = own else {
+    let place = |plan: &str| plans.iter().position(|known| *known == plan);
+    let plan = match plans_in(&first) {
         // A half-written header is the beginning of a new journal.
-        let is_begun = headers.iter().any(|own| own.as_bytes().starts_with(&first));
-        return match is_begun {
-            true => Ok(()),
-            false => Err(error::damaged(path)(foreign(&first))),
-        };
+        None if is_begun(&first) => return Ok(()),
+        Some((plan, smaller)) => match place(plan) {
+            None if smaller.and_then(place).is_some() => return Ok(()),
+            known => known,
+        },
+        None => None,
     };
+    let plan = plan.ok_or_else(|| error::damaged(path)(foreign(&first)))?;
     for number in 2.. {
         let line = next()?;
         match parse(&line) {
@@ -139,8 +148,30 @@ fn damaged_line(number: u64) -> String {
     )
 }
 
-fn header(plan: &str) -> String {
-    format!("{MAGIC} {FORMAT}, plan {plan}\n")
+fn header(plan: &str, smaller: Option<&str>) -> String {
+    let smaller = smaller.map_or(String::new(), |smaller| format!("{LARGER_THAN}{smaller}"));
+    format!("{}{plan}{smaller}\n", start_of_header())
+}
+
+fn start_of_header() -> String {
+    format!("{MAGIC} {FORMAT}, plan ")
+}
+
+/// Returns the plan of a journal with this first line, and the plan that it adds trials to.
+fn plans_in(header: &[u8]) -> Option<(&str, Option<&str>)> {
+    let line = std::str::from_utf8(header).ok()?.strip_suffix('\n')?;
+    let plans = line.strip_prefix(&start_of_header())?;
+    Some(match plans.split_once(LARGER_THAN) {
+        Some((plan, smaller)) => (plan, Some(smaller)),
+        None => (plans, None),
+    })
+}
+
+/// Returns true for a first line without an end.
+fn is_begun(header: &[u8]) -> bool {
+    let start = start_of_header();
+    let shared = start.len().min(header.len());
+    !header.ends_with(b"\n") && header[..shared] == start.as_bytes()[..shared]
 }
 
 /// Describes what is wrong with the first line of a journal.
@@ -196,7 +227,7 @@ mod tests {
     /// A folder with the journal of a plan `p`.
     fn written(records: &[TrialRecord]) -> (tempfile::TempDir, PathBuf, String) {
         let folder = tempfile::tempdir().unwrap();
-        let mut journal = Journal::begin(folder.path(), 1, "p").unwrap();
+        let mut journal = Journal::begin(folder.path(), 1, "p", Some("o")).unwrap();
         journal.write(records).unwrap();
         journal.sync().unwrap();
         let text = fs::read_to_string(&journal.path).unwrap();
@@ -248,9 +279,10 @@ mod tests {
     }
 
     #[test]
-    fn the_journal_of_another_plan_is_refused() {
+    fn the_journal_of_another_plan_is_refused_unless_it_adds_trials_to_this_one() {
         let (_folder, path, _) = written(&records(1));
         assert!(contents(&path, "q").is_err());
+        assert!(contents(&path, "o").unwrap().is_empty());
     }
 
     #[test]

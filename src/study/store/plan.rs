@@ -196,6 +196,20 @@ impl PlannedStudy {
         }
     }
 
+    /// Checks that no other file of the folder depends on its trials: neither tasks nor a merged study.
+    pub(super) fn require_one_task(&self) -> Result<(), Error> {
+        let result = self.result();
+        match self.tasks == 1 && !result.exists() {
+            true => Ok(()),
+            false => Err(ErrorKind::CannotCreate.error(format!(
+                "{} is a study in tasks, to which nothing can be added: add the trials to its merged study \
+                 with `--out {}`",
+                self.path.display(),
+                disk::typed(&result)
+            ))),
+        }
+    }
+
     /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
@@ -228,7 +242,8 @@ impl PlannedStudy {
 
     /// Starts a new journal for trials of a task.
     pub(in crate::study) fn begin(&self, task: usize) -> Result<Journal, Error> {
-        Journal::begin(&self.path.join(JOURNALS), task, &self.plan)
+        let smaller = self.earlier.last().map(|earlier| &earlier.plan[..]);
+        Journal::begin(&self.path.join(JOURNALS), task, &self.plan, smaller)
     }
 
     /// Returns the folder of the journals. A link is refused, because journals are written and removed there.
