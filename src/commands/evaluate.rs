@@ -1,10 +1,7 @@
 //! `xcscr evaluate`: evaluates the greedy policy.
 
-use std::path::{Path, PathBuf};
-
 use xcscr::agent::Knowledge;
 use xcscr::arena::ArenaKind;
-use xcscr::disk;
 use xcscr::run;
 use xcscr::study::{ConditionResult, Robustness};
 use xcscr::trial::{Evaluation, Plan};
@@ -34,22 +31,13 @@ pub struct EvaluateArgs {
     seed: u64,
     #[command(flatten)]
     settings: SettingsArgs,
-    /// Record every episode as in training, to watch and verify it.
-    #[arg(long)]
-    record: bool,
-    /// Folder of the recordings [default: the run's folder with the suffix `-evaluation`].
-    #[arg(long, value_name = "DIR", requires = "record")]
-    out: Option<PathBuf>,
-    /// Replace an earlier evaluation in that folder.
-    #[arg(long, requires = "record")]
-    force: bool,
     /// Exit with code 1 unless every episode takes a shortest path. Where moves slip, exit with
     /// code 1 unless every action is a best one.
     #[arg(long)]
     require_optimal: bool,
     /// Evaluate under noise 0 to 5, slip, observation noise, slippery floors and sensor faults,
     /// with the same seed, and print one table.
-    #[arg(long, conflicts_with_all = ["record", "require_optimal"])]
+    #[arg(long, conflicts_with = "require_optimal")]
     robustness: bool,
     /// Print one JSON document instead of the report.
     #[arg(long)]
@@ -71,9 +59,9 @@ impl EvaluateArgs {
 /// Evaluates the policy and reports the result.
 pub fn run(args: &EvaluateArgs, out: &mut Results) -> Result<(), Failure> {
     let (plan, knowledge) = args.plan()?;
+    let interrupt = Interrupt::watch(interrupted)?;
+    let stop = || interrupt.came();
     if args.robustness {
-        let interrupt = watch()?;
-        let stop = || interrupt.came();
         let found = Robustness::run(&plan, &knowledge, args.episodes, &stop);
         let found = found.map_err(again)?;
         return match args.json {
@@ -81,12 +69,10 @@ pub fn run(args: &EvaluateArgs, out: &mut Results) -> Result<(), Failure> {
             false => print_robustness(&found, &knowledge, out),
         };
     }
-    let (evaluation, recorded) = evaluate(args, &plan, &knowledge)?;
-    if args.json {
-        print_json(&evaluation, out)?;
-    } else {
-        print(&evaluation, &plan, &knowledge, out)?;
-        recorded.map_or(Ok(()), |folder| print_folder(&folder, out))?;
+    let evaluation = run::evaluate(&plan, &knowledge, args.episodes, &stop).map_err(again)?;
+    match args.json {
+        true => print_json(&evaluation, out)?,
+        false => print(&evaluation, &plan, &knowledge, out)?,
     }
     if args.require_optimal && !evaluation.is_optimal() {
         let (optimal, episodes) = (evaluation.optimal, evaluation.episodes);
@@ -100,30 +86,6 @@ pub fn run(args: &EvaluateArgs, out: &mut Results) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Evaluates the policy. With `--record`, also returns the folder of the recordings.
-fn evaluate(
-    args: &EvaluateArgs,
-    plan: &Plan,
-    knowledge: &Knowledge,
-) -> Result<(Evaluation, Option<PathBuf>), Failure> {
-    if !args.record {
-        let interrupt = watch()?;
-        let evaluation = run::evaluate(plan, knowledge, args.episodes, &|| interrupt.came());
-        return Ok((evaluation.map_err(again)?, None));
-    }
-    let folder = args.out.clone().unwrap_or_else(|| args.learned.beside());
-    let interrupt = Interrupt::notice()?;
-    let stop = || interrupt.came();
-    let into = (folder.as_path(), args.force);
-    let (evaluation, _) = run::record_evaluation(plan, knowledge, args.episodes, into, &stop)?;
-    Ok((evaluation, Some(folder)))
-}
-
-/// Watches for signals while nothing is written.
-fn watch() -> Result<Interrupt, Failure> {
-    Interrupt::watch(interrupted)
-}
-
 fn interrupted() -> Failure {
     let message = "interrupted; run the same command again";
     Failure::new(ErrorKind::Interrupted, message)
@@ -135,12 +97,6 @@ fn again(error: Error) -> Failure {
         ErrorKind::Interrupted => interrupted(),
         _ => error.into(),
     }
-}
-
-fn print_folder(folder: &Path, out: &mut Results) -> Result<(), Failure> {
-    let typed = disk::typed(folder);
-    writeln!(out, "Recorded; watch it: xcscr replay {typed}")?;
-    Ok(())
 }
 
 fn print(

@@ -89,11 +89,6 @@ impl LearnedArgs {
         Ok(Some(plan.maze.cell_size_m()))
     }
 
-    /// Returns the path of a sibling folder for the results of an evaluation.
-    pub fn beside(&self) -> PathBuf {
-        beside(&self.run, "-evaluation")
-    }
-
     /// Returns a plan for a file of rules.
     fn plan_of_rules(&self, knowledge: &Knowledge, arena: ArenaKind) -> Result<Plan, Failure> {
         let world = self.world.as_ref().ok_or_else(|| {

@@ -61,7 +61,7 @@ fn require_svg(file: &Path) -> Result<(), Failure> {
 fn plan(args: &MapArgs) -> Result<(Plan, Option<u32>), Failure> {
     if args.run.exists() && !args.run.is_dir() {
         let source = RecordedRun::of(&args.run)?;
-        source.require_training()?;
+        source.require_method()?;
         return Ok((source.run.plan, source.extent.episode()));
     }
     let folder = RunFolder::open(&args.run);

@@ -117,11 +117,6 @@ pub(super) fn is_of_a_run(name: &str) -> bool {
         || RECORDINGS.contains(&whole)
 }
 
-/// Returns true if only a training writes a file of this name.
-pub(super) fn is_of_a_training(name: &str) -> bool {
-    [WORLD, CONFIG, RULES, WORTH, UNFINISHED].contains(&name)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,16 +2,10 @@
 
 use std::fmt::Display;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::contents::CONFIG;
-use crate::disk;
 use crate::record::resume_hint::{is_resumable, resume_hint};
 use crate::{Error, ErrorKind};
-
-/// The end of the name that the command line gives to the folder of an evaluation by default, after
-/// the name of the run.
-const EVALUATION: &str = "-evaluation";
 
 /// Returns the error that a temporary folder cannot be used.
 pub(super) fn temporary(cause: io::Error) -> Error {
@@ -26,26 +20,6 @@ pub(super) fn recording(file: &Path, fault: impl Display) -> Error {
     ErrorKind::BadData.error(message)
 }
 
-/// Returns the error for the folder of an evaluation where that of a run is required.
-pub(super) fn evaluation(folder: &Path) -> Error {
-    let known = evaluated_run(folder).map_or_else(String::new, |run| {
-        format!(", such as {}", disk::typed(&run))
-    });
-    let message = format!(
-        "{} contains an evaluation, in which nothing is learned: give the folder of the run whose \
-         policy it drives{known}",
-        folder.display()
-    );
-    ErrorKind::BadData.error(message)
-}
-
-/// Returns the folder of the evaluated run if it is next to an evaluation with the default name.
-fn evaluated_run(folder: &Path) -> Option<PathBuf> {
-    let name = folder.file_name()?.to_str()?.strip_suffix(EVALUATION)?;
-    let run = folder.with_file_name(name);
-    run.join(CONFIG).is_file().then_some(run)
-}
-
 /// Returns the error for a folder that contains files that are not those of a run.
 pub(super) fn foreign(folder: &Path) -> Error {
     let message = format!(
@@ -56,7 +30,7 @@ pub(super) fn foreign(folder: &Path) -> Error {
     ErrorKind::CannotCreate.error(message)
 }
 
-/// Returns the error for a folder that already contains a run or an evaluation.
+/// Returns the error for a folder that already contains a run.
 pub(super) fn exists(folder: &Path) -> Error {
     let message = format!(
         "{} exists: choose another folder with `--out`, or replace the run in it with `--force`",

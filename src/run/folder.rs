@@ -10,10 +10,8 @@ use super::contents::{CONFIG, Contents, PAGE, RULES, WORLD, WORTH, file_names, i
 use super::error;
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK};
-use crate::record::reader::Recording;
 use crate::record::resume_hint::{UNFINISHED, is_resumable, resume_hint, way_to_resume};
 use crate::record::world_for_run;
-use crate::record::{RecordingKind, RunKind};
 use crate::trial::{Config, Plan};
 use crate::world::Maze;
 use crate::{Error, ErrorKind};
@@ -206,17 +204,10 @@ impl RunFolder {
         matches!(Contents::of(&self.path), Ok(Contents::Interrupted))
     }
 
-    /// Returns true if the folder contains a finished evaluation.
-    pub(super) fn is_evaluation(&self) -> bool {
-        let run = Recording::open(&self.path.join(RecordingKind::Run.file_name()));
-        run.is_ok_and(|run| matches!(run.run_kind(), Ok(RunKind::Evaluation)))
-    }
-
     fn existing(&self, name: &str) -> Result<PathBuf, Error> {
         let path = self.path.join(name);
         match path.exists() {
             true => Ok(path),
-            false if self.is_evaluation() => Err(error::evaluation(&self.path)),
             false if is_resumable(&self.path) => {
                 let (folder, hint) = (self.path.display(), resume_hint(&self.path));
                 let message = format!(

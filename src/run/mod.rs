@@ -33,8 +33,8 @@ mod unfinished;
 mod untouched;
 mod repeated_run;
 
+pub use evaluation::evaluate;
 pub(crate) use evaluation::observe;
-pub use evaluation::{evaluate, record_evaluation};
 pub use external::{ExternalActions, ExternalEpisode, ExternalRecorder, WheelSpeeds};
 pub use folder::RunFolder;
 pub use page::page;

@@ -64,8 +64,7 @@ pub(super) fn page_of(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Resu
 /// Records a drive of the learned policy in a temporary folder.
 fn recorded_drive(plan: &Plan, knowledge: &Knowledge) -> Result<(TempDir, Recording), Error> {
     let folder = tempfile::tempdir().map_err(error::temporary)?;
-    let mode = (RecordMode::All, &(|| false) as &dyn Fn() -> bool);
-    record_drives(&limited(plan), knowledge, 1, folder.path(), mode)?;
+    record_drives(&limited(plan), knowledge, 1, folder.path())?;
     let drive = Recording::open(&folder.path().join(RecordingKind::Episode(1).file_name()))?;
     Ok((folder, drive))
 }

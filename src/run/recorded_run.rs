@@ -3,10 +3,8 @@
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use serde::de::DeserializeOwned;
-
 use super::error;
-use super::external::{EXTERNAL_EPISODES, METHOD};
+use super::external::{EXTERNAL_EPISODES, ExternalEpisode, METHOD};
 use super::repeatable_run::RepeatableRun;
 use crate::Error;
 use crate::agent::Knowledge;
@@ -15,9 +13,6 @@ use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordModeError, RecordingKind, RunKind};
 use crate::trial::Plan;
 use crate::world::Maze;
-
-/// The attachment of `run.mcap` with the learned knowledge.
-const RULES: &str = "rules.json";
 
 /// The run of a recording, according to the recording.
 pub struct RecordedRun {
@@ -53,16 +48,18 @@ impl RecordedRun {
         let entry = |key: &str| metadata.and_then(|m| m.get(key)).map_or("", String::as_str);
         let extent = RecordingKind::of_entry(entry("episode"));
         let kind = recording.run_kind()?;
+        let external = match kind {
+            RunKind::Training => None,
+            RunKind::External => Some(external_episodes(file, recording)?),
+            RunKind::Evaluation => {
+                let fault =
+                    "it shows a drive of a policy, which is part of a page and cannot be repeated";
+                return Err(error::recording(file, fault));
+            }
+        };
         let run = RepeatableRun {
             plan: attached_plan(recording)?,
-            evaluated: match kind {
-                RunKind::Evaluation => Some(attached_to_run(file, recording, RULES)?),
-                RunKind::Training | RunKind::External => None,
-            },
-            external: match kind {
-                RunKind::External => Some(attached_to_run(file, recording, EXTERNAL_EPISODES)?),
-                RunKind::Training | RunKind::Evaluation => None,
-            },
+            external,
         };
         Ok(Self {
             file: file.to_owned(),
@@ -83,26 +80,11 @@ impl RecordedRun {
         }
     }
 
-    /// Requires the recording of a training.
-    ///
-    /// # Errors
-    /// If the recording shows an evaluation, in which nothing is learned, or an external agent.
-    pub fn require_training(&self) -> Result<(), Error> {
-        self.require_method()?;
-        match self.run.evaluated {
-            None => Ok(()),
-            Some(_) => Err(error::recording(
-                &self.file,
-                "it shows an evaluation, in which nothing is learned; give the folder of the run whose policy it drives",
-            )),
-        }
-    }
-
     /// Requires the recording of a method of this program.
     ///
     /// # Errors
     /// If an external agent chose the actions.
-    pub(super) fn require_method(&self) -> Result<(), Error> {
+    pub fn require_method(&self) -> Result<(), Error> {
         match self.run.external {
             None => Ok(()),
             Some(_) => Err(error::recording(
@@ -112,16 +94,13 @@ impl RecordedRun {
         }
     }
 
-    /// Returns the knowledge at the end of the recording. A training is repeated up to there.
+    /// Repeats the training up to the end of the recording, and returns the knowledge.
     ///
     /// # Errors
     /// If the plan of the recording cannot be run, or an external agent chose the actions.
     pub fn knowledge(&self) -> Result<Knowledge, Error> {
         self.require_method()?;
-        match &self.run.evaluated {
-            Some(knowledge) => Ok(knowledge.clone()),
-            None => self.run.watch(&mut Last(self.extent.episode())),
-        }
+        self.run.watch(&mut Last(self.extent.episode()))
     }
 }
 
@@ -157,12 +136,9 @@ fn attached_plan(recording: &Recording) -> Result<Plan, Error> {
     Ok(Plan { maze, config })
 }
 
-/// Returns the contents of an attachment of `run.mcap`, which is next to the episodes.
-fn attached_to_run<T: DeserializeOwned>(
-    file: &Path,
-    recording: &Recording,
-    name: &str,
-) -> Result<T, Error> {
+/// Returns the episodes of an external agent, which are attached to `run.mcap` next to the episodes.
+fn external_episodes(file: &Path, recording: &Recording) -> Result<Vec<ExternalEpisode>, Error> {
+    let name = EXTERNAL_EPISODES;
     let beside = file.with_file_name(RecordingKind::Run.file_name());
     let attached = match recording.attachment(name) {
         Some(text) => Some(text.to_owned()),

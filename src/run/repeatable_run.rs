@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use super::evaluation::{evaluation_plan, record_drives};
 use super::external::{ExternalEpisode, record_external};
 use super::facts::run_info;
 use crate::Error;
@@ -10,16 +9,13 @@ use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::picture::{Look, PolicyPicture};
 use crate::record::{RecordMode, Recorder};
-use crate::trial::{Evaluation, Plan, Trial};
+use crate::trial::{Plan, Trial};
 
-/// What determines the episodes of a run: a training, an evaluation of what was learned, or the
-/// episodes of an external agent.
+/// What determines the episodes of a run: a training, or the episodes of an external agent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RepeatableRun {
     /// The plan.
     pub plan: Plan,
-    /// The evaluated knowledge, if the run is an evaluation.
-    pub evaluated: Option<Knowledge>,
     /// The episodes, if an external agent chose the actions.
     pub external: Option<Vec<ExternalEpisode>>,
 }
@@ -29,26 +25,18 @@ impl RepeatableRun {
     pub fn training(plan: Plan) -> Self {
         Self {
             plan,
-            evaluated: None,
             external: None,
         }
     }
 
-    /// Repeats a training or an evaluation until `observer` breaks. Returns the knowledge at the
-    /// end.
+    /// Repeats a training until `observer` breaks. Returns the knowledge at the end.
     ///
     /// # Errors
     /// If the plan cannot be run.
     pub fn watch(&self, observer: &mut dyn Observer) -> Result<Knowledge, Error> {
-        let Some(knowledge) = &self.evaluated else {
-            let mut trial = Trial::new(self.plan.clone())?;
-            let _ = trial.run(observer);
-            return Ok(trial.method().knowledge());
-        };
-        let episodes = self.plan.config.episodes;
-        let plan = evaluation_plan(&self.plan, knowledge, episodes)?;
-        Evaluation::observed(&plan, knowledge, episodes, observer)?;
-        Ok(knowledge.clone())
+        let mut trial = Trial::new(self.plan.clone())?;
+        let _ = trial.run(observer);
+        Ok(trial.method().knowledge())
     }
 
     /// Repeats the run as far as needed, and returns a picture of its policy or its action values after an episode.
@@ -70,11 +58,6 @@ impl RepeatableRun {
         observer: &mut dyn Observer,
     ) -> Result<Knowledge, Error> {
         let plan = &self.plan;
-        if let Some(knowledge) = &self.evaluated {
-            let episodes = plan.config.episodes;
-            record_drives(plan, knowledge, episodes, folder, (mode, &|| false))?;
-            return Ok(knowledge.clone());
-        }
         if let Some(episodes) = &self.external {
             return record_external(plan, episodes, folder, mode);
         }
