@@ -59,8 +59,7 @@ impl Protocol {
             )
         };
         let has = |all: &[Maze], maze: &Maze| named(all, maze.name()) == Some(maze);
-        let has_worlds = found.worlds.iter().all(|maze| has(&self.worlds, maze))
-            && found.earlier.iter().all(|maze| has(&self.earlier, maze));
+        let has_worlds = found.worlds.iter().all(|maze| has(&self.worlds, maze));
         let place = |arm: &Arm| self.arms.iter().position(|own| own == arm);
         let places = found.arms.iter().map(place).collect::<Option<Vec<_>>>();
         places.filter(|_| is_larger && has_worlds && shared(self) == shared(found))
@@ -110,16 +109,9 @@ impl Protocol {
 
     /// Describes a world of the same name with other contents.
     fn different_world(&self, found: &Self) -> Option<String> {
-        let pairs = [
-            (&self.worlds, &found.worlds),
-            (&self.earlier, &found.earlier),
-        ];
-        let mut changed = pairs.into_iter().flat_map(|(here, there)| {
-            let is_changed =
-                |maze: &&Maze| named(there, maze.name()).is_some_and(|other| other != *maze);
-            here.iter().filter(is_changed)
-        });
-        let maze = changed.next()?;
+        let is_changed =
+            |maze: &&Maze| named(&found.worlds, maze.name()).is_some_and(|other| other != *maze);
+        let maze = self.worlds.iter().find(is_changed)?;
         Some(format!("the world `{}` was changed", maze.name()))
     }
 

@@ -34,8 +34,6 @@ pub struct StudyFile {
 pub(super) struct Document {
     pub name: String,
     pub worlds: Vec<String>,
-    #[serde(default)]
-    pub after: Vec<String>,
     pub methods: Vec<Method>,
     #[serde(default = "Document::grid")]
     pub arenas: Vec<ArenaKind>,
@@ -65,7 +63,7 @@ pub(super) struct Document {
     pub without: Vec<String>,
 }
 
-/// Stands for no earlier world in `after`, and for no switch in `without`.
+/// Stands for no switch in `without`.
 pub const NOTHING: &str = "nothing";
 
 impl Document {
@@ -127,15 +125,6 @@ impl StudyFile {
     pub(super) fn worlds(&self) -> Result<Vec<Maze>, Error> {
         let names = self.document.worlds.iter();
         names.map(|name| self.world(name)).collect()
-    }
-
-    /// Loads the worlds in which trials learn beforehand; `None` for [`NOTHING`].
-    pub(super) fn earlier_worlds(&self) -> Result<Vec<Option<Maze>>, Error> {
-        let world = |name: &String| match name == NOTHING {
-            true => Ok(None),
-            false => self.world(name).map(Some),
-        };
-        self.document.after.iter().map(world).collect()
     }
 
     fn world(&self, name: &str) -> Result<Maze, Error> {

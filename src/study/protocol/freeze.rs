@@ -3,10 +3,9 @@
 use toml::Table;
 
 use super::agents::AgentArms;
-use super::file::{Document, NOTHING};
 use super::overrides::Overrides;
-use super::variants::{Variation, number_of_combinations, product, variants, with_entry};
-use super::{Arm, MOST_ARMS, MOST_GENERATED, MOST_WORLDS, Protocol, StudyFile, Variant};
+use super::variants::{Variation, number_of_combinations, product, variants};
+use super::{Arm, MOST_ARMS, MOST_GENERATED, MOST_WORLDS, Protocol, StudyFile};
 use crate::Error;
 use crate::agent::Method;
 use crate::arena::ArenaKind;
@@ -22,9 +21,6 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Error
     check_worlds(file)?;
     check_number(file, document.worlds.len() * arenas.len())?;
     let worlds = file.worlds()?;
-    let afters = file.earlier_worlds()?;
-    let earlier: Vec<Maze> = afters.iter().flatten().cloned().collect();
-    let afters: Vec<_> = afters.iter().map(Option::as_ref).collect();
     let protocol = Protocol {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         name: document.name.clone(),
@@ -33,10 +29,9 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Error
         episodes: overrides.episodes.unwrap_or(document.episodes),
         drives: document.drives,
         reference: overrides.reference.clone().or(document.reference.clone()),
-        arms: arms(file, &worlds, &afters, &arenas, overrides)?,
-        agent_arms: AgentArms(agent_arms(file, &worlds, &afters, &arenas, overrides)?),
+        arms: arms(file, &worlds, &arenas, overrides)?,
+        agent_arms: AgentArms(agent_arms(file, &worlds, &arenas, overrides)?),
         worlds,
-        earlier,
     };
     protocol.check_numbers()?;
     match protocol.check() {
@@ -47,9 +42,9 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Error
 
 /// Rejects too many worlds before any of them is created.
 fn check_worlds(file: &StudyFile) -> Result<(), Error> {
-    let names = || file.document.worlds.iter().chain(&file.document.after);
-    within("worlds", names().count(), 0..=MOST_WORLDS)?;
-    let recipes = names().filter_map(|name| name.parse::<Recipe>().ok());
+    let names = &file.document.worlds;
+    within("worlds", names.len(), 0..=MOST_WORLDS)?;
+    let recipes = names.iter().filter_map(|name| name.parse::<Recipe>().ok());
     let cells = recipes.map(|recipe| usize::from(recipe.size).pow(2)).sum();
     within("cells of all generated worlds", cells, 0..=MOST_GENERATED)?;
     Ok(())
@@ -62,7 +57,6 @@ fn check_number(file: &StudyFile, places: usize) -> Result<(), Error> {
     let fixed = [
         document.methods.len(),
         sensors.map(Vec::len).max().unwrap_or(1),
-        document.after.len().max(1),
         document.without.len() + 1,
         number_of_combinations(file)?,
     ];
@@ -78,7 +72,6 @@ fn check_number(file: &StudyFile, places: usize) -> Result<(), Error> {
 fn arms(
     file: &StudyFile,
     worlds: &[Maze],
-    afters: &[Option<&Maze>],
     arenas: &[ArenaKind],
     overrides: &Overrides,
 ) -> Result<Vec<Arm>, Error> {
@@ -86,12 +79,10 @@ fn arms(
     let variants = variants(file, overrides)?;
     let mut arms = Vec::new();
     for (maze, &method) in product(worlds, &file.document.methods) {
-        let afters = afters_of(file, method, afters)?;
         let common = settings(file, maze.name(), method)?;
         let own = override_with(&common, &file.origin, &file.method_settings(method)?)?;
         let base = (method, Resolved::new(&own, &[], &overrides.sets)?.settings);
-        let variants = product(&variants, &afters);
-        arms.extend(arms_of(file, maze.name(), &base, variants, arenas)?);
+        arms.extend(arms_of(file, maze.name(), &base, &variants, arenas)?);
     }
     Ok(arms)
 }
@@ -100,14 +91,12 @@ fn arms(
 fn agent_arms(
     file: &StudyFile,
     worlds: &[Maze],
-    afters: &[Option<&Maze>],
     arenas: &[ArenaKind],
     overrides: &Overrides,
 ) -> Result<Vec<Arm>, Error> {
     // Its defaults are those of no method.
     let method = Method::QLearning;
     let variants = variants(file, overrides)?;
-    let afters = names_of(afters);
     let mut arms = Vec::new();
     for maze in worlds {
         let common = settings(file, maze.name(), method)?;
@@ -115,22 +104,21 @@ fn agent_arms(
             method,
             Resolved::new(&common, &[], &overrides.sets)?.settings,
         );
-        let variants = product(&variants, &afters);
-        arms.extend(arms_of(file, maze.name(), &base, variants, arenas)?);
+        arms.extend(arms_of(file, maze.name(), &base, &variants, arenas)?);
     }
     Ok(arms)
 }
 
-/// Returns the arms of a method in a world. An arm's earlier world differs from its own.
-fn arms_of<'a>(
+/// Returns the arms of a method in a world.
+fn arms_of(
     file: &StudyFile,
     world: &str,
     (method, base): &(Method, Settings),
-    variants: impl Iterator<Item = (&'a Variation, &'a Option<String>)>,
+    variants: &[Variation],
     arenas: &[ArenaKind],
 ) -> Result<Vec<Arm>, Error> {
     let mut arms = Vec::new();
-    for ((table, variant), after) in variants {
+    for (table, variant) in variants {
         let settings = override_with(base, &origin_of_variants(file), table)?;
         let sensors = |&arena| {
             file.sensors(world, arena)
@@ -143,40 +131,13 @@ fn arms_of<'a>(
                 method: *method,
                 arena,
                 sensor,
-                variant: with_after(variant, &file.document, after),
-                after: after.clone(),
+                variant: variant.clone(),
                 settings: settings.clone(),
                 agent: None,
             });
         }
     }
-    arms.retain(|arm| arm.after.as_ref() != Some(&arm.world));
     Ok(arms)
-}
-
-/// Returns the names of the worlds in which trials of a method learn beforehand; `None` for no
-/// world.
-fn afters_of(
-    file: &StudyFile,
-    method: Method,
-    afters: &[Option<&Maze>],
-) -> Result<Vec<Option<String>>, Error> {
-    if !afters.is_empty() && !method.learns_rules() {
-        let name = method.name();
-        let fault = format!(
-            "the method `{name}` learns no rules, but `after` transfers rules: remove one of them"
-        );
-        return Err(file.fault(fault));
-    }
-    Ok(names_of(afters))
-}
-
-fn names_of(afters: &[Option<&Maze>]) -> Vec<Option<String>> {
-    let name = |maze: &Option<&Maze>| maze.map(|maze| maze.name().to_owned());
-    match afters {
-        [] => vec![None],
-        afters => afters.iter().map(name).collect(),
-    }
 }
 
 /// Resolves the settings of all methods in a world: default < robot < study < world. Those of one
@@ -200,14 +161,6 @@ fn origin_of_variants(file: &StudyFile) -> String {
     match file.document.without.is_empty() {
         true => format!("{}, sweep", file.origin),
         false => format!("{}, sweep or without", file.origin),
-    }
-}
-
-/// Adds the earlier world to a variant, if the study varies it.
-fn with_after(variant: &Variant, document: &Document, after: &Option<String>) -> Variant {
-    match document.after.is_empty() {
-        true => variant.clone(),
-        false => with_entry(variant, "after", after.as_deref().unwrap_or(NOTHING)),
     }
 }
 
@@ -296,28 +249,6 @@ mod tests {
         let fault = frozen(text, &[]).unwrap_err().to_string();
         let words = "`trials of all combinations` is 11000000";
         assert!(fault.contains(words), "{fault}");
-    }
-
-    #[test]
-    fn an_earlier_world_can_be_a_file_and_must_have_the_same_percept_width() {
-        let folder = tempfile::tempdir().unwrap();
-        let world = include_str!("../../../worlds/maze4.json");
-        std::fs::write(folder.path().join("w.json"), world).unwrap();
-        let study = |sensor: &str| {
-            let text = format!(
-                "name = \"s\"\nworlds = [\"maze5\"]\nafter = [\"nothing\", \"w.json\"]\nmethods = [\"xcs\"]\nsensors = [\"{sensor}\"]\ntrials = 1\nepisodes = 1\n"
-            );
-            let file = StudyFile::parse(&text, "s.toml", folder.path()).unwrap();
-            Protocol::new(&file, &Overrides::default())
-        };
-        let arms = study("neighbours").unwrap().arms.into_iter();
-        let afters: Vec<_> = arms.map(|arm| arm.after).collect();
-        assert_eq!(afters, [None, Some("maze4".to_owned())]);
-        let fault = study("position").unwrap_err().to_string();
-        assert!(
-            fault.contains("6 bits") && fault.contains("8 bits"),
-            "{fault}"
-        );
     }
 
     #[test]

@@ -71,8 +71,6 @@ pub struct Arm {
     pub sensor: Sensor,
     /// The settings of the variant.
     pub variant: Variant,
-    /// The name of the world in which trials learn beforehand.
-    pub after: Option<String>,
     /// All settings, including those of the variant.
     pub settings: Settings,
     /// The name of a custom agent, which replaces the method.
@@ -100,7 +98,7 @@ impl Arm {
 
     /// Returns true if the arms differ in nothing but the method.
     fn differs_only_in_method(&self, other: &Self) -> bool {
-        let place = |arm: &Self| (arm.arena, arm.sensor, arm.world.clone(), arm.after.clone());
+        let place = |arm: &Self| (arm.arena, arm.sensor, arm.world.clone());
         place(self) == place(other) && self.variant == other.variant
     }
 }
@@ -132,9 +130,6 @@ pub struct Protocol {
     /// The worlds, which have unique names.
     #[serde(serialize_with = "write_mazes", deserialize_with = "read_mazes")]
     pub worlds: Vec<Maze>,
-    /// The worlds in which trials learn beforehand.
-    #[serde(serialize_with = "write_mazes", deserialize_with = "read_mazes")]
-    pub earlier: Vec<Maze>,
     /// The arms that are compared.
     pub arms: Vec<Arm>,
     /// The arms of a custom agent.
@@ -193,14 +188,9 @@ impl Protocol {
         maze.expect("arms name worlds of their study")
     }
 
-    /// Returns the plan of the first trial of each arm, preceded by its earlier plan if there is
-    /// one.
+    /// Returns the plan of the first trial of each arm.
     pub fn arm_plans(&self) -> impl Iterator<Item = Plan> + '_ {
-        let firsts = (0..self.arms.len()).map(|arm| arm * self.trials);
-        firsts.flat_map(|trial| {
-            let earlier = self.earlier_plan(trial).into_iter();
-            earlier.chain([self.plan(trial)])
-        })
+        (0..self.arms.len()).map(|arm| self.plan(arm * self.trials))
     }
 
     /// Returns the configuration of a trial, with the settings that depend on its world filled in.
@@ -218,8 +208,7 @@ impl Protocol {
         }
     }
 
-    /// Returns the plan of a trial. If the trial has an [earlier plan](Self::earlier_plan), the
-    /// caller adds the knowledge learned there.
+    /// Returns the plan of a trial.
     pub fn plan(&self, trial: usize) -> Plan {
         Plan {
             maze: self.maze(trial).clone(),
@@ -227,25 +216,9 @@ impl Protocol {
         }
     }
 
-    /// Returns the plan of the trial that learns beforehand for a trial, from the same seed.
-    pub fn earlier_plan(&self, trial: usize) -> Option<Plan> {
-        let maze = named(&self.earlier, self.arm(trial).after.as_deref()?);
-        let plan = Plan {
-            maze: maze.expect("arms name worlds of their study").clone(),
-            config: Config {
-                settings: self.arm(trial).settings.clone(),
-                ..self.config(trial)
-            },
-        };
-        Some(plan.settled())
-    }
-
     /// Checks that every arm names a world of the study, and that all settings are in range.
     pub(super) fn check(&self) -> Result<(), String> {
-        let known = |arm: &Arm| {
-            let earlier = |name: &String| named(&self.earlier, name).is_some();
-            named(&self.worlds, &arm.world).is_some() && arm.after.as_ref().is_none_or(earlier)
-        };
+        let known = |arm: &Arm| named(&self.worlds, &arm.world).is_some();
         self.check_numbers().map_err(|fault| fault.to_string())?;
         self.check_names()?;
         self.check_arms()?;
@@ -265,11 +238,7 @@ impl Protocol {
     fn check_numbers(&self) -> Result<(), OutOfRange> {
         within("trials", self.trials, 1..=1_000_000)?;
         within("episodes", self.episodes, 1..=1_000_000)?;
-        within(
-            "worlds",
-            self.worlds.len() + self.earlier.len(),
-            0..=MOST_WORLDS,
-        )?;
+        within("worlds", self.worlds.len(), 0..=MOST_WORLDS)?;
         within("drives", self.drives, 0..=10_000)?;
         within("combinations", self.arms.len(), 0..=MOST_ARMS)?;
         within("trials of all combinations", self.len(), 0..=MOST_TRIALS)
@@ -284,13 +253,12 @@ impl Protocol {
         if let Some(name) = agents.into_iter().find(|name| !is_plain_name(name)) {
             return Err(format!("invalid agent name `{name}`"));
         }
-        for worlds in [&self.worlds, &self.earlier] {
-            let is_twin = |i: usize| named(&worlds[..i], worlds[i].name()).is_some();
-            if let Some(twin) = (0..worlds.len()).find(|&i| is_twin(i)) {
-                return Err(format!("two worlds are named `{}`", worlds[twin].name()));
-            }
+        let worlds = &self.worlds;
+        let is_twin = |i: &usize| named(&worlds[..*i], worlds[*i].name()).is_some();
+        match (0..worlds.len()).find(is_twin) {
+            Some(twin) => Err(format!("two worlds are named `{}`", worlds[twin].name())),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// Rejects arms with the same name, whose rows could not be told apart.
@@ -303,29 +271,12 @@ impl Protocol {
         })
     }
 
-    /// Checks the settings of an arm, and that the robot and the earlier world fit.
+    /// Checks the settings of an arm, and that the robot fits.
     fn check_arm_of(&self, trial: usize) -> Result<(), String> {
         let plan = self.plan(trial);
         plan.check().map_err(|fault| fault.to_string())?;
         let fits = plan.config.check_fit(&plan.maze);
-        fits.map_err(|fault| fault.to_string())?;
-        let Some(earlier) = self.earlier_plan(trial) else {
-            return Ok(());
-        };
-        let [there, here] = [&earlier, &plan].map(|Plan { maze, config }| {
-            let (bits, actions) = (config.perception().width(maze), maze.action_count());
-            (
-                maze.name(),
-                format!("percepts of {bits} bits and {actions} moves"),
-            )
-        });
-        match there.1 == here.1 {
-            true => Ok(()),
-            false => Err(format!(
-                "trials in `{}` cannot start from rules learned in `{}`: there are {} there, but {} here",
-                here.0, there.0, there.1, here.1
-            )),
-        }
+        fits.map_err(|fault| fault.to_string())
     }
 }
 

@@ -51,8 +51,8 @@ pub struct Comparison {
 /// Maximum number of swept combinations to compare. More are a search.
 const MOST_VALUES: usize = 24;
 
-/// The keys of a variant whose values are each compared with [`NOTHING`].
-const AGAINST_NOTHING: [&str; 2] = ["after", "without"];
+/// The key of a variant whose values are each compared with [`NOTHING`].
+const WITHOUT: &str = "without";
 
 impl Comparison {
     /// Returns true if the data decide which has the larger share of successes.
@@ -71,8 +71,7 @@ impl Comparison {
     }
 
     /// Returns all comparisons in each world. The method `reference` is compared with each other
-    /// method. Each value of `after` or `without` is compared with
-    /// nothing. Each value of a swept setting is compared with the first one. The arms of a comparison differ in
+    /// method. Each value of `without` is compared with nothing. Each value of a swept setting is compared with the first one. The arms of a comparison differ in
     /// nothing else.
     pub fn all(arms: &[ArmRecords<'_>], reference: &str) -> Vec<Self> {
         let mut families: Vec<(String, Vec<Self>)> = Vec::new();
@@ -161,11 +160,7 @@ impl<'a> Pair<'a> {
 /// Returns all pairs of arms to compare.
 fn pairs<'a>(arms: &'a [ArmRecords<'a>], reference: &str) -> Vec<Pair<'a>> {
     let mut pairs = pairs_of_methods(arms, reference);
-    pairs.extend(
-        AGAINST_NOTHING
-            .iter()
-            .flat_map(|key| pairs_without(arms, key)),
-    );
+    pairs.extend(pairs_without(arms));
     pairs.extend(pairs_of_values(arms));
     pairs
 }
@@ -186,9 +181,10 @@ fn pairs_of_methods<'a>(arms: &'a [ArmRecords<'a>], reference: &str) -> Vec<Pair
     arms.iter().filter_map(pair).collect()
 }
 
-/// Pairs each value of `after` or `without` with nothing. A family spans all worlds and values of a
+/// Pairs each value of `without` with nothing. A family spans all worlds and values of a
 /// method.
-fn pairs_without<'a>(arms: &'a [ArmRecords<'a>], key: &str) -> Vec<Pair<'a>> {
+fn pairs_without<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
+    let key = WITHOUT;
     let pair = |one: &'a ArmRecords<'a>| {
         let value = value(one.arm, key).filter(|value| *value != NOTHING)?;
         let (method, setting) = (one.arm.method_name(), setting(one.arm, key));
@@ -222,7 +218,7 @@ fn pairs_of_values<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
         let names = [format!("{method} {ours}"), theirs, setting];
         Some(Pair::new(&format!("values {method}"), one, other, names))
     };
-    let is_swept = |key: &&String| !AGAINST_NOTHING.contains(&key.as_str());
+    let is_swept = |key: &&String| *key != WITHOUT;
     let of_arm = |one: &'a ArmRecords<'a>| {
         let keys = one.arm.variant.0.keys().filter(is_swept);
         keys.filter_map(move |key| pair(one, key))

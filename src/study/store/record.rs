@@ -176,29 +176,21 @@ impl TrialRecord {
     }
 }
 
-/// Prepares a trial of a study. If the study has an earlier phase, the trial starts with the
-/// knowledge learned there.
+/// Prepares a trial of a study.
 pub(in crate::study) fn trial(
     protocol: &Protocol,
     agents: &Agents,
     number: usize,
 ) -> Result<Trial, String> {
-    let begin = |plan: Plan| match &protocol.arm(number).agent {
+    let plan = protocol.plan(number);
+    match &protocol.arm(number).agent {
         Some(name) => {
             let plan = plan.settled();
             let agent = agents.build(name, &plan)?;
             Trial::with_agent(plan, agent).map_err(|fault| fault.to_string())
         }
         None => Trial::new(plan).map_err(|fault| fault.to_string()),
-    };
-    let mut plan = protocol.plan(number);
-    if let Some(earlier) = protocol.earlier_plan(number) {
-        let knowledge = finished(begin(earlier)?, &mut |_, _| ())
-            .method()
-            .knowledge();
-        plan.config.initial = Some(knowledge);
     }
-    begin(plan)
 }
 
 /// Returns the figures of a finished trial.
