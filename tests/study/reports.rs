@@ -68,7 +68,6 @@ fn a_report_says_what_came_out_and_draws_it() {
     }
     let report = desk.json("report whole --json");
     assert_eq!(report["arms"].as_array().unwrap().len(), 4);
-    assert_eq!(report, desk.json("report whole --format json"));
     let summary: Value = serde_json::from_str(&desk.read("whole/summary.json")).unwrap();
     let keys = "trials successes wilson_low median_episode p95_episode retained";
     for key in keys.split(' ') {
@@ -131,8 +130,7 @@ const FETCHES: [&str; 9] = [
 #[test]
 fn the_html_report_is_one_page_that_needs_nothing_else_and_has_the_parts_of_a_results_section() {
     let desk = Desk::finished();
-    let page = desk.done("report whole --format html");
-    assert_eq!(page, desk.read("whole/report.html"));
+    let page = desk.read("whole/report.html");
     // Comments of the script are no addresses.
     let is_code = |line: &&str| !line.trim_start().starts_with("// ");
     let code: Vec<&str> = page.lines().filter(is_code).collect();
@@ -146,7 +144,7 @@ fn the_html_report_is_one_page_that_needs_nothing_else_and_has_the_parts_of_a_re
         assert!(page.contains(words), "{words}");
     }
     assert_eq!(page.matches("<svg ").count(), 1, "all figures are inside");
-    let markdown = desk.done("report whole --format md");
+    let markdown = desk.read("whole/report.md");
     let headings = markdown.lines().filter_map(|line| line.strip_prefix("## "));
     let sections = "Setup Table Figures Tests Limitations".split(' ');
     assert!(headings.eq(sections.clone()), "{markdown}");

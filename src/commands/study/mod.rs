@@ -9,7 +9,7 @@ mod task;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use clap::{Subcommand, ValueEnum};
+use clap::Subcommand;
 use xcscr::ErrorKind;
 use xcscr::study::{PlannedStudy, Protocol, Report, Study, StudyFolder};
 
@@ -48,9 +48,6 @@ pub enum StudyCommand {
         /// Folder of the merged study [default: `result` in the folder of the study].
         #[arg(short, long, value_name = "DIR")]
         out: Option<PathBuf>,
-        /// Write a row for each episode into episodes.csv.gz. This repeats the trials.
-        #[arg(long)]
-        episodes_csv: bool,
         /// Replace another study in this folder, and changes made by hand.
         #[arg(long)]
         force: bool,
@@ -76,34 +73,10 @@ pub enum StudyCommand {
         /// Replace a report and figures with different content, such as changes made by hand.
         #[arg(long)]
         force: bool,
-        /// Print the report in this format: for a terminal, as Markdown, as one self-contained HTML
-        /// page, or as one JSON document.
-        #[arg(long, value_enum, value_name = "FORMAT", default_value_t = Format::Text)]
-        format: Format,
-        /// Same as `--format json`.
-        #[arg(long, conflicts_with = "format")]
+        /// Print one JSON document instead of the report.
+        #[arg(long)]
         json: bool,
     },
-}
-
-/// The output format of a report.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    /// For a terminal.
-    Text,
-    /// Markdown.
-    Md,
-    /// One HTML page.
-    Html,
-    /// One JSON document.
-    Json,
-}
-
-impl Format {
-    /// Returns JSON if `json` is set.
-    fn or_json(self, json: bool) -> Self {
-        if json { Self::Json } else { self }
-    }
 }
 
 /// Arguments of `study run`.
@@ -123,9 +96,6 @@ pub struct RunArgs {
     /// Repeat the trials that failed. Replaces tables, report and figures if there are any.
     #[arg(long)]
     retry_failed: bool,
-    /// Write a row for each episode into episodes.csv.gz at the end. This repeats the trials.
-    #[arg(long)]
-    episodes_csv: bool,
     /// Print one JSON document instead of the report.
     #[arg(long)]
     json: bool,
@@ -146,15 +116,8 @@ pub fn run(command: &StudyCommand, out: &mut Results) -> Result<(), Failure> {
         StudyCommand::Merge {
             folder,
             out: path,
-            episodes_csv,
             force,
-        } => {
-            let folder = merge(folder, path.as_deref(), *force)?;
-            if *episodes_csv {
-                write_episodes(&folder, 0)?;
-            }
-            finish(&folder, Format::Text, out)
-        }
+        } => finish(&merge(folder, path.as_deref(), *force)?, false, out),
         StudyCommand::Episodes {
             folder,
             jobs,
@@ -166,9 +129,8 @@ pub fn run(command: &StudyCommand, out: &mut Results) -> Result<(), Failure> {
         StudyCommand::Report {
             folder,
             force,
-            format,
             json,
-        } => report(folder, *force, format.or_json(*json), out),
+        } => report(folder, *force, *json, out),
     }
 }
 
@@ -200,10 +162,7 @@ fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
     drop(progress);
     let missing = folder.missing();
     if missing.is_empty() {
-        if args.episodes_csv {
-            write_episodes(&folder, args.jobs.into())?;
-        }
-        return finish(&folder, Format::Text.or_json(args.json), out);
+        return finish(&folder, args.json, out);
     }
     let all = study.protocol().len();
     let done = all - missing.len();
@@ -239,7 +198,7 @@ fn say_warnings(protocol: &Protocol) {
 }
 
 /// Reports a complete study. For an incomplete study, prints the results of its finished trials.
-fn report(path: &Path, force: bool, format: Format, out: &mut Results) -> Result<(), Failure> {
+fn report(path: &Path, force: bool, is_json: bool, out: &mut Results) -> Result<(), Failure> {
     // A running study, or one in a read-only folder, can be read, but nothing can be written there.
     let (folder, busy) = match StudyFolder::read_locked(path) {
         Err(busy) if busy.kind() == ErrorKind::CannotCreate => {
@@ -248,41 +207,37 @@ fn report(path: &Path, force: bool, format: Format, out: &mut Results) -> Result
         folder => (folder?, None),
     };
     if let Err(incomplete) = folder.require_complete() {
-        print_report(&Report::new(&folder), format, None, out)?;
+        print_report(&Report::new(&folder), is_json, None, out)?;
         return Err(incomplete.into());
     }
     busy.map_or(Ok(()), Err)?;
-    finish(&folder.replacing(force), format, out)
+    finish(&folder.replacing(force), is_json, out)
 }
 
 /// Writes the tables and the report of a complete study, and prints the result.
-fn finish(folder: &StudyFolder, format: Format, out: &mut Results) -> Result<(), Failure> {
+fn finish(folder: &StudyFolder, is_json: bool, out: &mut Results) -> Result<(), Failure> {
     folder.write_tables()?;
     let mut report = Report::new(folder);
     report.write(folder)?;
-    print_report(&report, format, Some(folder), out)?;
+    print_report(&report, is_json, Some(folder), out)?;
     refuse_failed(folder)
 }
 
 /// Prints a report, and its address if it was written.
 fn print_report(
     report: &Report,
-    format: Format,
+    is_json: bool,
     written: Option<&StudyFolder>,
     out: &mut Results,
 ) -> Result<(), Failure> {
-    match format {
-        Format::Text => {
-            write!(out, "{}", report.terminal())?;
-            if let Some(folder) = written {
-                let folder = folder.path().join("report.html");
-                write!(out, "\nThe report and its figures:\n")?;
-                write_link("", &file_link(&folder), out)?;
-            }
-        }
-        Format::Md => write!(out, "{}", report.markdown())?,
-        Format::Html => write!(out, "{}", report.html())?,
-        Format::Json => print_json(report, out)?,
+    if is_json {
+        return print_json(report, out);
+    }
+    write!(out, "{}", report.terminal())?;
+    if let Some(folder) = written {
+        let folder = folder.path().join("report.html");
+        write!(out, "\nThe report and its figures:\n")?;
+        write_link("", &file_link(&folder), out)?;
     }
     Ok(())
 }
