@@ -76,7 +76,7 @@ pub enum Command {
     /// Check, show, describe and generate world files.
     #[command(subcommand)]
     World(WorldCommand),
-    /// List, show and check robot profiles.
+    /// List and show robot profiles.
     #[command(subcommand)]
     Robot(RobotCommand),
     /// Show all settings and where each came from.
