@@ -44,16 +44,11 @@ impl Failure {
     /// Prints the message to stderr. Errors of stderr are ignored.
     pub fn print(&self) {
         let colours = shows_colours(&io::stderr());
-        let message = match self.0.styled().filter(|_| colours) {
-            Some(styled) => format!("{RED_ERROR}: {styled}"),
-            None => {
-                let plain = format!("error: {}", escaped(&self.0.to_string()));
-                let fitted = fitted(&plain, &io::stderr());
-                match colours {
-                    true => fitted.replacen("error", RED_ERROR, 1),
-                    false => fitted.into_owned(),
-                }
-            }
+        let plain = format!("error: {}", escaped(&self.0.to_string()));
+        let fitted = fitted(&plain, &io::stderr());
+        let message = match colours {
+            true => fitted.replacen("error", RED_ERROR, 1),
+            false => fitted.into_owned(),
         };
         if self.kind() != ErrorKind::Closed {
             let _ = writeln!(io::stderr(), "{message}");

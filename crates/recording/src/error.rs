@@ -18,8 +18,6 @@ pub enum ErrorKind {
     Refuted,
     /// Invalid or contradictory arguments.
     Usage,
-    /// The command succeeded, but some data was lost.
-    Lossy,
     /// Bad input data.
     BadData,
     /// An input is missing.
@@ -41,7 +39,6 @@ impl ErrorKind {
             Self::Closed => 0,
             Self::Refuted => 1,
             Self::Usage => 2,
-            Self::Lossy => 3,
             Self::BadData => 65,
             Self::Missing => 66,
             Self::Internal => 70,
@@ -57,7 +54,6 @@ impl ErrorKind {
         Error {
             kind: self,
             message: message.into(),
-            styled: None,
         }
     }
 
@@ -77,19 +73,12 @@ impl ErrorKind {
 pub struct Error {
     kind: ErrorKind,
     message: String,
-    /// The message in colour, if it differs.
-    styled: Option<String>,
 }
 
 impl Error {
     /// Returns the kind.
     pub fn kind(&self) -> ErrorKind {
         self.kind
-    }
-
-    /// Returns the message in colour for a terminal, if there is one.
-    pub fn styled(&self) -> Option<&str> {
-        self.styled.as_deref()
     }
 
     /// Adds a hint to the end of the message.
@@ -116,14 +105,7 @@ impl From<WorldError> for Error {
             WorldError::Invalid(_) => ErrorKind::BadData,
             _ => ErrorKind::Io,
         };
-        let styled = match &error {
-            WorldError::Invalid(fault) => Some(fault.styled().to_string()),
-            _ => None,
-        };
-        Self {
-            styled,
-            ..kind.error(error.to_string())
-        }
+        kind.error(error.to_string())
     }
 }
 

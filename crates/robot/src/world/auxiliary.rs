@@ -18,15 +18,13 @@ pub(super) fn read(
     match (rows.rewarding.first(), raw) {
         (None, None) => Ok(None),
         (Some(&cell), None) => Err(source.fault(
-            rows.span(cell),
+            rows.start_of(cell),
             "cells are marked `*`, but the world has no `reward`",
-            "marked here",
             "add for example `\"reward\": 100`, or write `.` for a cell without a reward",
         )),
         (None, Some(raw)) => Err(source.fault(
-            source.span(raw),
+            source.start_of(raw),
             "`reward` is set, but no cell is marked `*`",
-            "not used by any cell",
             "mark the rewarding cells with `*` in `rows`, or leave `reward` out",
         )),
         (Some(_), Some(raw)) => Ok(Some(Auxiliary {
@@ -46,12 +44,11 @@ fn read_reward(source: Source<'_>, raw: &str) -> Result<f64, WorldError> {
         return Ok(reward);
     }
     Err(source.fault(
-        source.span(raw),
+        source.start_of(raw),
         format!(
             "`reward` is {}, but must be above 0 and at most {MOST}",
             quoted(raw)
         ),
-        "out of range",
         "`reward` is the reward of each cell marked `*`; the setting `reward.goal` (1000) is the reward of a goal",
     ))
 }

@@ -10,22 +10,17 @@ use super::source::Source;
 pub fn check_start_and_goal(source: Source<'_>, rows: &Rows<'_>) -> Result<(), WorldError> {
     if rows.goals.is_empty() {
         let help = "mark at least one cell with `G`";
-        let whole = source.span(rows.raw);
-        return Err(source.fault(whole, "the world has no goal", "no `G` in these rows", help));
+        return Err(source.fault(source.start_of(rows.raw), "the world has no goal", help));
     }
-    let [first, second, ..] = rows.starts[..] else {
+    let [_, second, ..] = rows.starts[..] else {
         return Ok(());
     };
-    let locations = vec![
-        source.location(rows.span(second), "another start"),
-        source.location(rows.span(first), "the first start"),
-    ];
     let title = match rows.starts.len() {
         2 => "the world has two starts".to_owned(),
         count => format!("the world has {count} starts"),
     };
     let help = "keep one `S`; without any, every episode starts in a random free cell";
-    Err(source.fault_at(locations, title, help))
+    Err(source.fault(rows.start_of(second), title, help))
 }
 
 /// Requires that every cell of the border is a wall.
@@ -39,9 +34,8 @@ pub fn check_border(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Result<
     match maze.free_cells().find(on_border) {
         None => Ok(()),
         Some(gap) => Err(source.fault(
-            rows.span(gap),
+            rows.start_of(gap),
             "the border is open",
-            "expected a wall `#`",
             "close the border with `#`, or join the edges with \"wrap\": true",
         )),
     }
@@ -58,9 +52,8 @@ pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Resu
         .peekable();
     if starts.peek().is_none() {
         return Err(source.fault(
-            rows.span(maze.goals()[0]),
-            "the world has no cell to start in",
-            "all free cells are goals",
+            rows.start_of(maze.goals()[0]),
+            "the world has no cell to start in: all free cells are goals",
             "mark a start with `S`, or free a cell with `.`",
         ));
     }
@@ -77,5 +70,5 @@ pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Resu
             "make the cell a wall, open a path, or set a fixed start `S`",
         ),
     };
-    Err(source.fault(rows.span(cell), title, "cut off from every goal", help))
+    Err(source.fault(rows.start_of(cell), title, help))
 }

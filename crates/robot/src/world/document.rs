@@ -1,7 +1,6 @@
 //! Splits JSON text into the raw values of the known keys, each with its location in the text.
 //!
-//! Raw values are slices of the text, so their spans need no bookkeeping. A YAML reader with spans
-//! accepts text that is not JSON, and reports a span of one character for an array.
+//! Raw values are slices of the text, so their places need no bookkeeping.
 
 use std::fmt;
 
@@ -37,8 +36,7 @@ struct KeyFault<'a> {
     key: String,
     /// The value after the key.
     value: &'a str,
-    /// The value after the first occurrence of the same key.
-    first: Option<&'a str>,
+    is_repeated: bool,
 }
 
 impl<'a> Document<'a> {
@@ -74,7 +72,7 @@ impl<'a> Document<'a> {
                 self.fault = Some(KeyFault {
                     key: key.to_owned(),
                     value,
-                    first,
+                    is_repeated: first.is_some(),
                 });
             }
         }
@@ -148,17 +146,13 @@ impl<'de, const MOST: usize> Visitor<'de> for ElementsVisitor<MOST> {
 impl KeyFault<'_> {
     fn report(&self, source: Source<'_>) -> WorldError {
         let key = quoted(&self.key);
-        let here = key_span(source, self.value, &self.key);
-        if let Some(first) = self.first {
-            let locations = vec![
-                source.location(here, "again here"),
-                source.location(key_span(source, first, &self.key), "first here"),
-            ];
+        let at = source.start_of(self.value);
+        if self.is_repeated {
             let help = format!("keep one {key} and remove the other");
-            return source.fault_at(locations, format!("the key {key} is repeated"), help);
+            return source.fault(at, format!("the key {key} is repeated"), help);
         }
         let title = format!("the key {key} is unknown");
-        source.fault(here, title, "no such key in a world", suggestion(&self.key))
+        source.fault(at, title, suggestion(&self.key))
     }
 }
 
@@ -173,16 +167,4 @@ fn suggestion(key: &str) -> String {
             || format!("the keys of a world are `{}`", KEYS.join("`, `")),
             |(known, _)| format!("did you mean `{known}`?"),
         )
-}
-
-/// Returns the span of the key before a raw value, including quotes.
-fn key_span(source: Source<'_>, value: &str, key: &str) -> std::ops::Range<usize> {
-    let before = source.text[..source.span(value).start].trim_end();
-    let end = before.trim_end_matches(':').trim_end().len();
-    let literal = format!("\"{key}\"");
-    match source.text[..end].ends_with(&literal) {
-        true => end - literal.len()..end,
-        // For a key with escape sequences, the span covers only the closing quote.
-        false => end.saturating_sub(1)..end,
-    }
 }

@@ -130,29 +130,19 @@ fn array(rows: impl Iterator<Item = String>) -> String {
 }
 
 fn too_large(origin: &str) -> WorldError {
-    let source = Source { origin, text: "" };
-    let help = "a world file has at most 64 MiB; split the world or make it smaller";
-    source.fault_at(vec![], "the world file is larger than 64 MiB", help)
+    let help = "split the world or make it smaller";
+    Source::error(origin, None, "the world file is larger than 64 MiB", help)
 }
 
 fn decode<'a>(text: &'a [u8], origin: &str) -> Result<&'a str, WorldError> {
     std::str::from_utf8(text).map_err(|error| {
-        // The damaged line, with replacement characters from the first bad byte on.
-        let end = text.len().min(error.valid_up_to() + 40);
-        let shown = String::from_utf8_lossy(&text[..end]);
+        let at = error.valid_up_to();
+        let shown = String::from_utf8_lossy(&text[..at]);
         let source = Source {
             origin,
             text: &shown,
         };
-        source.fault(
-            error.valid_up_to()..error.valid_up_to() + '\u{fffd}'.len_utf8(),
-            "the file is not UTF-8 text",
-            format!(
-                "byte 0x{:02x} is not valid UTF-8 here",
-                text[error.valid_up_to()]
-            ),
-            "save the file as UTF-8",
-        )
+        source.fault(at, "the file is not UTF-8 text", "save the file as UTF-8")
     })
 }
 
@@ -213,9 +203,8 @@ fn read_name(source: Source<'_>, raw: Option<&str>) -> Result<String, WorldError
         return Ok(name);
     }
     Err(source.fault(
-        source.span(raw),
+        source.start_of(raw),
         format!("{} cannot be the name of a world", quoted(&name)),
-        format!("write for example \"{}\"", name::repaired(&name)),
         name::RULE,
     ))
 }
@@ -230,13 +219,12 @@ fn name_from_origin(source: Source<'_>) -> Result<String, WorldError> {
     }
     let at = source.text.find('{').unwrap_or(0);
     Err(source.fault(
-        at..at + 1,
+        at,
         format!(
             "the world has no name, and the file's name {} cannot be one",
             quoted(&stem)
         ),
-        format!("add \"name\": \"{}\" here", name::repaired(&stem)),
-        name::RULE,
+        format!("add \"name\": \"{}\"", name::repaired(&stem)),
     ))
 }
 
@@ -254,12 +242,11 @@ fn read_cell_size(source: Source<'_>, raw: Option<&str>) -> Result<f64, WorldErr
     }
     let (low, high) = (CELL_SIZE_M.start(), CELL_SIZE_M.end());
     Err(source.fault(
-        source.span(raw),
+        source.start_of(raw),
         format!(
             "`cell_size_m` is {}, but must be from {low} to {high}",
             quoted(raw)
         ),
-        "out of range",
         "`cell_size_m` is the edge of a cell in metres; leave it out for 1.0",
     ))
 }
@@ -275,9 +262,8 @@ fn read_moves(source: Source<'_>, raw: Option<&str>) -> Result<Moves, WorldError
         Ok(4.0) => Ok(Moves::Four),
         Ok(8.0) => Ok(Moves::Eight),
         _ => Err(source.fault(
-            source.span(raw),
+            source.start_of(raw),
             format!("`moves` is {}, expected 4 or 8", quoted(raw)),
-            "expected 4 or 8",
             "4 means north, east, south and west; 8 adds the diagonals",
         )),
     }

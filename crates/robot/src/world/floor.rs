@@ -22,7 +22,7 @@ pub(super) fn read(source: Source<'_>, raw: &str, maze: &Maze) -> Result<Floor, 
     if rows.count != wanted {
         let title = format!("the floor has {} rows, the world {wanted}", rows.count);
         let help = "give the floor a row for each of `rows`, or leave `floor` out";
-        return Err(source.fault(source.span(raw), title, "wrong number of rows", help));
+        return Err(source.fault(source.start_of(raw), title, help));
     }
     let mut tenths = Vec::with_capacity(maze.walls.len());
     for (row, raw) in (0..maze.height()).zip(&rows.first) {
@@ -51,15 +51,12 @@ fn read_row(
     if found != wanted {
         let title = format!("row {} of the floor has {found} cells", row + 1);
         let help = format!("each row of `rows` has {wanted}; give the floor as many");
-        return Err(source.fault(source.span(raw), title, "wrong width", help));
+        return Err(source.fault(source.start_of(raw), title, help));
     }
     for (col, (at, letter)) in (0..maze.width()).zip(letters.char_indices()) {
         let is_wall = maze.is_wall(Cell { col, row });
-        let tenth = tenths_of(letter, is_wall).map_err(|[title, help]| {
-            let at = source.span(letters).start + at;
-            let span = at..at + letter.len_utf8();
-            source.fault(span, title, "on this cell", help)
-        })?;
+        let tenth = tenths_of(letter, is_wall)
+            .map_err(|[title, help]| source.fault(source.start_of(letters) + at, title, help))?;
         tenths.push(tenth);
     }
     Ok(())

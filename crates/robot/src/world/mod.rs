@@ -15,7 +15,6 @@ mod file;
 mod floor;
 mod generate;
 mod json;
-mod location;
 mod maze;
 mod name;
 mod near;

@@ -101,9 +101,8 @@ impl Origin {
         });
         checked.map_err(|fault| {
             source.fault(
-                source.span(raw),
+                source.start_of(raw),
                 format!("`origin` is {}: {fault}", quoted(raw)),
-                "not a pose",
                 "`origin` is the pose of the lower left corner of the grid in the map frame; \
                  leave it out for [0, 0, 0]",
             )

@@ -48,7 +48,7 @@ impl<'a> Rows<'a> {
         elements.first.iter().try_for_each(|row| rows.add(row))?;
         if rows.rows.is_empty() {
             let help = "give at least three rows, such as \"###\", \"#G#\", \"###\"";
-            return Err(source.fault(source.span(raw), "the world has no rows", "no row", help));
+            return Err(source.fault(source.start_of(raw), "the world has no rows", help));
         }
         Ok(rows)
     }
@@ -63,10 +63,9 @@ impl<'a> Rows<'a> {
         self.rows.len() as u16
     }
 
-    /// Returns the location of a cell's letter in the text.
-    pub fn span(&self, cell: Cell) -> std::ops::Range<usize> {
-        let at = self.source.span(self.rows[usize::from(cell.row)]).start + usize::from(cell.col);
-        at..at + 1
+    /// Returns the byte of a cell's letter in the text.
+    pub fn start_of(&self, cell: Cell) -> usize {
+        self.source.start_of(self.rows[usize::from(cell.row)]) + usize::from(cell.col)
     }
 
     fn add(&mut self, raw: &'a str) -> Result<(), WorldError> {
@@ -92,15 +91,11 @@ impl<'a> Rows<'a> {
             return Ok(());
         };
         let row = self.rows.len() + 1;
-        let at = self.source.span(letters).start + at;
+        let letter = quoted(&letter.to_string());
         Err(self.source.fault(
-            at..at + letter.len_utf8(),
-            format!(
-                "row {row} has the unknown letter {}",
-                quoted(&letter.to_string())
-            ),
-            "unknown letter",
-            letter_help(letter),
+            self.source.start_of(letters) + at,
+            format!("row {row} has the unknown letter {letter}"),
+            "the letters are `#` wall, `.` free, `S` start, `G` goal, `*` reward",
         ))
     }
 
@@ -109,26 +104,20 @@ impl<'a> Rows<'a> {
         if found == 0 {
             let help = "a row is a string of `#`, `.`, `S`, `G` and `*`; remove the empty one";
             let title = format!("row {number} is empty");
-            return Err(self
-                .source
-                .fault(self.source.span(raw), title, "no cell", help));
+            return Err(self.source.fault(self.source.start_of(raw), title, help));
         }
         let Some(first) = self.rows.first().filter(|first| first.len() != found) else {
             return Ok(());
         };
         let expected = first.len();
-        let locations = vec![
-            self.source
-                .location(self.source.span(letters), cells(found)),
-            self.source
-                .location(self.source.span(first), cells(expected)),
-        ];
         let help = match expected > found {
             true => format!("add {} to row {number}", cells(expected - found)),
             false => format!("remove {} from row {number}", cells(found - expected)),
         };
         let title = format!("row {number} has {}, expected {expected}", cells(found));
-        Err(self.source.fault_at(locations, title, help))
+        Err(self
+            .source
+            .fault(self.source.start_of(letters), title, help))
     }
 
     fn collect(&mut self, letters: &str) {
@@ -151,9 +140,8 @@ impl<'a> Rows<'a> {
 
 fn too_large(source: Source<'_>, raw: &str, title: String) -> WorldError {
     source.fault(
-        source.span(raw),
+        source.start_of(raw),
         format!("{title}, at most {MAX_SIDE} are possible"),
-        "too many",
         format!("a world has at most {MAX_SIDE} columns and {MAX_SIDE} rows"),
     )
 }
@@ -163,16 +151,4 @@ fn cells(count: usize) -> String {
         1 => "1 cell".to_owned(),
         _ => format!("{count} cells"),
     }
-}
-
-fn letter_help(letter: char) -> String {
-    let meant = match letter {
-        '\\' => "rows have no escape sequences; ",
-        's' => "did you mean `S`? ",
-        'g' | 'F' | 'f' => "did you mean `G`? ",
-        ' ' | 'o' | 'O' | '0' | '_' => "did you mean `.`? ",
-        'X' | 'x' | 'T' | 'Q' | '1' | '█' => "did you mean `#`? ",
-        _ => "",
-    };
-    format!("{meant}the letters are `#` wall, `.` free, `S` start, `G` goal, `*` reward")
 }

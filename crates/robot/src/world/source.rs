@@ -1,12 +1,6 @@
 //! A named text, and the mapping from its parts to line and column.
 
-use std::ops::Range;
-
 use super::error::{Diagnostic, WorldError};
-use super::location::{Location, shown};
-
-/// The number of bytes that an excerpt of a long line keeps on either side of a location.
-const EXCERPT_BYTES: usize = 8192;
 
 /// A text and its name in messages.
 #[derive(Debug, Clone, Copy)]
@@ -16,66 +10,49 @@ pub struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Returns the span of `part`, which must be a slice of this text.
-    pub fn span(&self, part: &str) -> Range<usize> {
-        let start = (part.as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize);
-        start..start + part.len()
+    /// Returns the first byte of `part`, which must be a slice of this text.
+    pub fn start_of(&self, part: &str) -> usize {
+        (part.as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize)
     }
 
-    /// Returns the location of a span, cut at the end of its first line.
-    pub fn location(&self, span: Range<usize>, label: impl Into<String>) -> Location {
-        let text = self.text;
-        let at = floor(text, span.start);
-        let line_start = text[..at].rfind('\n').map_or(0, |i| i + 1);
-        let line_end = text[at..].find('\n').map_or(text.len(), |i| at + i);
-        let line_end = line_start + text[line_start..line_end].trim_end_matches('\r').len();
-        let from = floor(text, at.saturating_sub(EXCERPT_BYTES)).max(line_start);
-        let to = floor(text, at + EXCERPT_BYTES).min(line_end);
-        let at = at.min(to);
-        Location {
-            line: 1 + text[..line_start].matches('\n').count(),
-            column: 1 + text[line_start..at].chars().count(),
-            is_cut: from > line_start,
-            excerpt: text[from..to].to_owned(),
-            span: at - from..floor(text, span.end).clamp(at, to) - from,
-            label: label.into(),
-        }
-    }
-
-    /// Returns the error that points at `span`.
+    /// Returns the error for the text from byte `at`: what is wrong, and how to fix it.
     pub fn fault(
         &self,
-        span: Range<usize>,
+        at: usize,
         title: impl Into<String>,
-        label: impl Into<String>,
         help: impl Into<String>,
     ) -> WorldError {
-        self.fault_at(vec![self.location(span, label)], title, help)
+        let boundary = (0..=at.min(self.text.len())).rfind(|&at| self.text.is_char_boundary(at));
+        let before = &self.text[..boundary.unwrap_or(0)];
+        let line_start = before.rfind('\n').map_or(0, |end| end + 1);
+        let line = 1 + before.matches('\n').count();
+        let column = 1 + before[line_start..].chars().count();
+        Self::error(self.origin, Some((line, column)), title, help)
     }
 
-    /// Returns the error that points at several locations, the fault first, or at the whole text.
-    pub fn fault_at(
-        &self,
-        locations: Vec<Location>,
+    /// Returns the error for a whole file.
+    pub fn error(
+        origin: &str,
+        position: Option<(usize, usize)>,
         title: impl Into<String>,
         help: impl Into<String>,
     ) -> WorldError {
         WorldError::Invalid(Box::new(Diagnostic {
-            origin: shown(self.origin),
+            origin: shown(origin),
+            position,
             title: shown(&title.into()),
-            locations: locations.into_iter().map(Location::shown).collect(),
             help: shown(&help.into()),
         }))
     }
 }
 
-/// Returns the last character boundary at or before `index`.
-fn floor(text: &str, index: usize) -> usize {
-    let index = index.min(text.len());
-    (0..=index)
-        .rev()
-        .find(|&i| text.is_char_boundary(i))
-        .unwrap_or(0)
+/// Escapes the control characters of a text in Rust syntax.
+fn shown(text: &str) -> String {
+    let show = |letter: char| match letter.is_control() {
+        true => letter.escape_default().to_string(),
+        false => letter.to_string(),
+    };
+    text.chars().map(show).collect()
 }
 
 /// Quotes a text from a file for use in a message: short, without control characters.

@@ -47,7 +47,7 @@ impl Solid {
             .and_then(|solid| solid.checked(maze))
             .map_err(|fault| {
                 let title = format!("`solid` is not the geometry of this world: {fault}");
-                source.fault(source.span(raw), title, "not a geometry", HELP)
+                source.fault(source.start_of(raw), title, HELP)
             })
     }
 
