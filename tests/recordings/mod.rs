@@ -12,7 +12,6 @@ mod forged_recordings;
 mod methods;
 mod page;
 mod recording;
-mod robots;
 mod serving;
 mod summaries;
 mod watching;

@@ -76,39 +76,6 @@ impl Drop for SmallDisk {
 
 #[cfg(feature = "long")]
 #[test]
-fn a_full_disk_ends_in_code_74_and_the_run_goes_on_when_there_is_room() {
-    let Some(disk) = SmallDisk::mount("2m") else {
-        return;
-    };
-    let desk = &disk.0;
-    let run = desk.path("run");
-    for room in [4, 40, 400, 1200] {
-        desk.write("ballast", vec![0; (2048 - room) * 1024]);
-        let output = desk.output("train maze4 --episodes 60 --out @run");
-        let code = output.status.code().unwrap();
-        let (_, stderr) = ended(&output, code, "a full disk");
-        assert!(matches!(code, 73 | 74), "{room} kB: {code} {stderr}");
-        assert!(
-            stderr.contains("No space left") && stderr.contains(run.to_str().unwrap()),
-            "{room} kB: {stderr}"
-        );
-        if run.exists() {
-            assert_whole(&run);
-        }
-        if room < 1200 {
-            let _ = fs::remove_dir_all(&run);
-        }
-    }
-    fs::remove_file(desk.path("ballast")).unwrap();
-    disk.remount("size=60m");
-    desk.ok("train --resume @run");
-    let elsewhere = Desk::new();
-    let wanted = elsewhere.train("wanted", "maze4 --episodes 60");
-    assert_same(&run, &wanted, "after the disk was full");
-}
-
-#[cfg(feature = "long")]
-#[test]
 fn pictures_pages_and_studies_on_a_full_disk_end_in_code_74_and_leave_nothing_torn() {
     let Some(disk) = SmallDisk::mount("64k") else {
         return;

@@ -174,25 +174,3 @@ fn odd_names_of_files_are_taken_as_they_are() {
         }
     }
 }
-
-#[test]
-fn the_name_of_a_world_never_becomes_a_path_elsewhere() {
-    let desk = Desk::new();
-    for name in [
-        "../up",
-        "/etc/x",
-        "a/b",
-        "..",
-        "con",
-        &"x".repeat(300),
-        "nul\\u0000",
-        "a b",
-    ] {
-        let world = format!(r#"{{"name": "{name}", "wrap": true, "rows": ["S.G"]}}"#);
-        desk.write("world.json", world);
-        let mut command = desk.command("train @world.json --episodes 1");
-        let output = command.current_dir(desk.folder()).output().unwrap();
-        ended(&output, 65, name);
-        assert_eq!(contents(desk.folder()).len(), 1, "{name} made something");
-    }
-}

@@ -13,21 +13,6 @@ fn whatever_writes_leaves_the_files_of_others_and_replaces_its_own_only_by_force
     script::run(include_str!("overwriting.txt"));
 }
 
-#[test]
-fn a_study_goes_on_in_its_own_folder_and_gives_the_same_files_again() {
-    let desk = Desk::new();
-    let text =
-        "name = \"s\"\nworlds = [\"maze4\"]\nmethods = [\"xcs\"]\ntrials = 2\nepisodes = 2\n";
-    desk.write("s.toml", text);
-    let study = "study run @s.toml --quiet --out @s";
-    desk.ok("study plan @s.toml --tasks 2 --out @s");
-    desk.ok("study task @s 1 --quiet");
-    desk.ok(study);
-    let first = contents(&desk.path("s"));
-    desk.ok(study);
-    assert!(contents(&desk.path("s")) == first, "run again");
-}
-
 #[cfg(unix)]
 #[test]
 fn a_link_is_never_written_through_or_replaced() {
@@ -120,27 +105,6 @@ fn a_folder_that_vanishes_during_a_run_gets_no_advice_that_cannot_work() {
     assert!(stderr.contains("its folder is gone"), "{stderr}");
     assert!(!stderr.contains("--resume"), "{stderr}");
     assert!(!stderr.contains("free some space"), "{stderr}");
-}
-
-#[cfg(unix)]
-#[test]
-fn a_folder_whose_name_is_no_text_is_named_so_that_a_shell_finds_it() {
-    use std::ffi::OsStr;
-    use std::os::unix::ffi::OsStrExt;
-    let desk = Desk::new();
-    let out = desk.folder().join(OsStr::from_bytes(b"run \xff"));
-    let mut command = desk.command("train maze4 --episodes 1 --json --out");
-    let (stdout, _) = ended(&command.arg(&out).output().unwrap(), 0, "train");
-    let report: serde_json::Value = serde_json::from_str(&stdout).unwrap();
-    let named = report["run_dir"].as_str().unwrap();
-    let mut bash = std::process::Command::new("bash");
-    // Not every system has this shell.
-    if let Ok(found) = bash.args(["-c", &format!("cd {named}")]).output() {
-        assert!(found.status.success(), "{named}");
-    }
-    let mut command = desk.command("train maze4 --episodes 1 --force --out");
-    let (stdout, _) = ended(&command.arg(&out).output().unwrap(), 0, "train");
-    assert!(stdout.contains("run%20%FF/replay.html"), "{stdout}");
 }
 
 #[test]

@@ -78,7 +78,7 @@ fn an_episode_without_end_is_left_after_a_signal_and_a_second_one_ends_at_once()
 
 #[cfg(feature = "long")]
 #[test]
-fn an_evaluation_ends_after_a_signal_like_a_recorded_one() {
+fn an_evaluation_ends_after_a_signal() {
     let desk = Desk::new();
     desk.train("run", "maze4 --arena grid --episodes 20 --record none");
     for more in ["", "--robustness"] {

@@ -83,40 +83,6 @@ fn the_table_of_episodes_agrees_with_the_trials_and_does_not_depend_on_the_jobs(
     assert_eq!(packed(), first);
 }
 
-#[cfg(unix)]
-#[test]
-fn a_disk_that_is_full_at_any_file_ends_in_code_74_and_the_same_command_goes_on() {
-    let desk = Desk::new();
-    let words = "run small.toml --trials 1 --quiet --out";
-    desk.done(&format!("{words} whole"));
-    desk.done("episodes whole");
-    for (number, blocks) in [8, 16, 40].into_iter().enumerate() {
-        let run = match blocks {
-            8 => format!("{words} a{number}"),
-            _ => {
-                desk.done(&format!("{words} a{number}"));
-                format!("episodes a{number}")
-            }
-        };
-        let mut limited = std::process::Command::new("sh");
-        let limit = format!("ulimit -f {blocks}; exec \"$0\" \"$@\"");
-        let output = limited
-            .args(["-c", &limit])
-            .arg(env!("CARGO_BIN_EXE_xcscr"))
-            .arg("study")
-            .args(run.split(' '))
-            .current_dir(desk.path(""))
-            .output();
-        let output = output.unwrap();
-        let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(74), "{blocks}: {message}");
-        assert!(message.contains("run the same command again"), "{message}");
-        desk.done(&run);
-        desk.done(&format!("episodes a{number}"));
-        desk.assert_same(&format!("a{number}"), "whole");
-    }
-}
-
 #[test]
 fn learning_curves_are_the_means_of_the_table_of_episodes_and_stand_in_the_report() {
     let desk = Desk::new();
