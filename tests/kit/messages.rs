@@ -27,16 +27,6 @@ pub fn scene(message: &Message) -> SceneUpdate {
     SceneUpdate::decode(message.data.as_slice()).unwrap()
 }
 
-/// Topic, time in nanoseconds and bytes of a message.
-pub type Raw = (String, u64, Vec<u8>);
-
-/// Returns all messages of a recording as they are written.
-pub fn raw(recording: &Recording) -> Vec<Raw> {
-    messages(recording)
-        .map(|message| (message.topic().to_owned(), message.time_ns, message.data))
-        .collect()
-}
-
 /// Returns the number of messages of a topic, as the index of the recording says.
 pub fn count(recording: &Recording, topic: &str) -> u64 {
     let topics = recording.topics();

@@ -5,6 +5,11 @@ use nalgebra::{Point2, Vector2};
 use super::motion::{Motion, Speeds};
 use super::params::PhysicsParams;
 
+/// Turn rate per heading error in 1/s. Larger values oscillate at 20 Hz.
+const HEADING_GAIN_PER_S: f64 = 12.5;
+/// Largest heading correction (a sine).
+const TRACK_LIMIT: f64 = 0.33;
+
 /// The phase of a manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
@@ -101,7 +106,7 @@ impl Maneuver {
         let chord = (2.0 - 2.0 * face.dot(&self.along)).max(0.0).sqrt();
         let rate = (2.0 * params.turn_deceleration_radps2 * chord)
             .sqrt()
-            .min(params.heading_gain_per_s * chord)
+            .min(HEADING_GAIN_PER_S * chord)
             .min(params.max_turn_radps);
         Speeds {
             forward_mps: 0.0,
@@ -121,9 +126,9 @@ impl Maneuver {
             .copysign(ahead);
         let left = Vector2::new(-self.along.y, self.along.x);
         let lean = speed.signum() * params.track_gain_per_m * self.missing(seen).dot(&left);
-        let lean = lean.clamp(-params.track_limit, params.track_limit);
+        let lean = lean.clamp(-TRACK_LIMIT, TRACK_LIMIT);
         let course = (1.0 - lean * lean).sqrt() * self.along + lean * left;
-        let rate = params.heading_gain_per_s * face.perp(&course);
+        let rate = HEADING_GAIN_PER_S * face.perp(&course);
         Some(Speeds {
             forward_mps: self.facing * speed,
             turn_radps: rate.clamp(-params.max_turn_radps, params.max_turn_radps),

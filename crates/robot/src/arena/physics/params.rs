@@ -49,8 +49,6 @@ settings! {
         /// Friction mu between wheel and floor, unless the world's `floor` overrides it. The
         /// default is rubber on concrete.
         friction: f64 = 0.8, in 0.2..=2.0;
-        /// Time constant tau of the motors in s.
-        motor_lag_s: f64 = 0.03, in 0.0..=0.1;
         /// Largest wheel acceleration in m/s^2, 0.1 to mu g. Above mu g the wheels slip and the
         /// heading is lost.
         wheel_acceleration_mps2: f64 = 7.4;
@@ -59,12 +57,8 @@ settings! {
         max_speed_mps: f64 = 1.4, in 0.02..=3.0;
         /// Largest turn rate in rad/s.
         max_turn_radps: f64 = 12.0, in 0.1..=15.0;
-        /// Turn rate per heading error in 1/s. Larger values oscillate at 20 Hz.
-        heading_gain_per_s: f64 = 12.5, in 2.0..=15.0;
         /// Heading correction (a sine) per metre of distance from the track.
         track_gain_per_m: f64 = 3.2, in 0.5..=8.0;
-        /// Largest heading correction (a sine).
-        track_limit: f64 = 0.33, in 0.05..=0.7;
         /// Deceleration before the target in m/s^2, 0.05 to what the wheels can do. Above half of
         /// that, the robot overshoots.
         deceleration_mps2: f64 = 3.09;

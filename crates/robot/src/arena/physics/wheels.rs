@@ -6,6 +6,10 @@ use rapier2d::prelude::{RigidBody, Vector};
 use super::STEP_S;
 use super::motion::Motion;
 use super::params::{PhysicsParams, grip_mps2};
+
+/// Time constant of the motors in s.
+const MOTOR_LAG_S: f64 = 0.03;
+
 /// Returns the true motion of the robot's body in the engine.
 pub(super) fn true_motion(body: &RigidBody) -> Motion {
     let (at, rotation, velocity) = (body.translation(), body.rotation(), body.linvel());
@@ -35,7 +39,7 @@ impl Wheels {
     /// Makes the motors follow commanded rim speeds for one step, with their lag and limited
     /// acceleration.
     pub(super) fn follow(&mut self, rims_mps: [f64; 2], params: &PhysicsParams) {
-        let share = STEP_S / (params.motor_lag_s + STEP_S);
+        let share = STEP_S / (MOTOR_LAG_S + STEP_S);
         let limit = params.wheel_acceleration_mps2 * STEP_S;
         for ((speed, travel), wanted) in self
             .speed_mps
