@@ -30,8 +30,6 @@ pub enum Target {
     Csv,
     /// One JSON document.
     Json,
-    /// A graph for Graphviz: percepts, rules, actions.
-    Dot,
 }
 
 impl Target {
@@ -48,7 +46,6 @@ impl Target {
         let template = match self {
             Self::C99 => "policy.h",
             Self::Python => "policy.py",
-            Self::Dot => "policy.dot",
             Self::Csv => return Model::new(policy, provenance).csv(),
             Self::Json => return Model::new(policy, provenance).json(),
         };

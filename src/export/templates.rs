@@ -6,11 +6,10 @@ use minijinja::{Environment, UndefinedBehavior, Value, context};
 use serde::Serialize;
 
 /// The templates by name.
-const TEMPLATES: [(&str, &str); 4] = [
+const TEMPLATES: [(&str, &str); 3] = [
     ("constants", include_str!("templates/constants.jinja")),
     ("policy.h", include_str!("templates/policy.h.jinja")),
     ("policy.py", include_str!("templates/policy.py.jinja")),
-    ("policy.dot", include_str!("templates/policy.dot.jinja")),
 ];
 
 /// Declares source files as a table of names and texts.
