@@ -7,6 +7,8 @@ use std::path::Path;
 use std::process::Command;
 
 use xcscr::agent::Method;
+use xcscr::record::Topic;
+use xcscr::sensor::Sensor;
 use xcscr::study::StudyKey;
 use xcscr::trial::{Resolved, Settings};
 
@@ -158,4 +160,29 @@ fn every_setting_is_declared_and_every_number_has_a_range() {
         assert_eq!(setting.range.is_some(), ranged, "{key}");
         assert!(!setting.about.is_empty(), "{key}");
     }
+}
+
+/// What a page does not name at the begin of a row of a table.
+fn missing(page: &str, names: impl Iterator<Item = &'static str>) -> Vec<&'static str> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = fs::read_to_string(root.join("docs/src").join(page)).unwrap();
+    let rows = text.lines().filter_map(|line| line.strip_prefix("| "));
+    let first: Vec<&str> = rows.filter_map(|row| row.split('|').next()).collect();
+    let is_named = |name: &str| first.iter().any(|cell| cell.contains(&format!("`{name}`")));
+    names.filter(|name| !is_named(name)).collect()
+}
+
+#[test]
+fn a_table_explains_every_sensor_method_and_topic() {
+    let none: [&str; 0] = [];
+    let sensors = Sensor::ALL.iter().map(|sensor| sensor.name());
+    assert_eq!(missing("reference/robot.md", sensors.clone()), none);
+    let methods = Method::ALL.iter().map(|method| method.name());
+    assert_eq!(missing("how-to/choose-a-method.md", methods), none);
+    let topics = Topic::ALL.iter().map(|topic| topic.name());
+    assert_eq!(missing("reference/recordings.md", topics), none);
+    assert!(
+        !missing("reference/recordings.md", sensors).is_empty(),
+        "control"
+    );
 }

@@ -18,5 +18,4 @@ mod recordings;
 mod runs;
 mod settings;
 mod study;
-mod surface;
 mod world;
