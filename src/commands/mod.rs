@@ -5,7 +5,7 @@
 //! | `choices`, `node` | arguments that several commands take |
 //! | `learned`, `source` | what a run, a recording or a file of rules holds |
 //! | `results`, `output` | what is printed to stdout, and output files |
-//! | `terminal`, `progress`, `sparkline` | text for people |
+//! | `terminal`, `progress` | text for people |
 //! | `failure`, `interrupt` | errors, exit codes and signals |
 
 mod choices;
@@ -28,7 +28,6 @@ pub mod robot;
 pub mod rules;
 pub mod simulate;
 mod source;
-mod sparkline;
 pub mod study;
 pub mod terminal;
 pub mod train;

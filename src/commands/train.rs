@@ -117,14 +117,12 @@ pub fn run(args: &TrainArgs, out: &mut Results) -> Result<(), Failure> {
         trial,
         folder,
         recording,
-        steps,
-        missed,
     } = finished?;
     let report = TrainReport::new(&trial, folder.path());
     if args.json {
         return print_json(&report, out);
     }
-    report.print(&trial, (&steps, &missed), &recording, out)
+    report.print(&trial, &recording, out)
 }
 
 fn begin(args: &TrainArgs) -> Result<(Session, Interrupt), Failure> {

@@ -13,7 +13,6 @@ use xcscr::world::{Cell, Facts, Maze};
 
 use super::failure::Failure;
 use super::results::Results;
-use super::sparkline::{marks, sparkline};
 use super::terminal::{file_link, print_maze, write_link, write_row};
 
 /// The legend of the drawn maze.
@@ -117,7 +116,6 @@ impl TrainReport {
     pub fn print(
         &self,
         trial: &Trial,
-        (steps_per_episode, missed): (&[u32], &[bool]),
         recording: &RecordSummary,
         out: &mut Results,
     ) -> Result<(), Failure> {
@@ -142,10 +140,6 @@ impl TrainReport {
         self.print_mechanisms(out)?;
         write_row(out, "steps chosen by", self.chosen)?;
         write_row(out, self.counted, self.rule_counts())?;
-        write_row(out, "steps per episode", sparkline(steps_per_episode))?;
-        if missed.contains(&true) {
-            write_row(out, "missed the goal", marks(missed))?;
-        }
         self.print_files(recording, out)
     }
 

@@ -7,7 +7,7 @@ use super::error;
 use super::facts::run_info;
 use super::folder::RunFolder;
 use super::page::page_of;
-use crate::episode::{Ending, Observer};
+use crate::episode::Observer;
 use crate::picture::{Camera, Look, Stages};
 use crate::record::resume_hint::resume_hint;
 use crate::record::{RecordMode, RecordSummary, Recorder};
@@ -23,10 +23,6 @@ pub struct Session {
     trial: Trial,
     recorder: Recorder,
     camera: Camera,
-    /// The number of steps of each episode so far.
-    steps: Vec<u32>,
-    /// For each episode so far, true if it did not reach a goal.
-    missed: Vec<bool>,
 }
 
 /// The result of resuming a run.
@@ -45,10 +41,6 @@ pub struct Finished {
     pub folder: RunFolder,
     /// The recorded files.
     pub recording: RecordSummary,
-    /// The number of steps of each episode.
-    pub steps: Vec<u32>,
-    /// For each episode, true if it did not reach a goal.
-    pub missed: Vec<bool>,
 }
 
 impl Session {
@@ -92,8 +84,6 @@ impl Session {
             camera: Camera::new(Stages::OfLearning { last }, plan),
             trial,
             recorder,
-            steps: Vec::new(),
-            missed: Vec::new(),
         }
     }
 
@@ -144,8 +134,6 @@ impl Session {
             trial: self.trial,
             folder: self.folder,
             recording,
-            steps: self.steps,
-            missed: self.missed,
         })
     }
 
@@ -156,9 +144,7 @@ impl Session {
     ) -> Result<(), Error> {
         while !self.trial.is_finished() {
             let mut observers = ((&mut self.recorder, &mut self.camera), &mut *observer);
-            let (episode, flow) = self.trial.run_episode(&mut observers);
-            self.steps.push(episode.steps);
-            self.missed.push(episode.ending != Ending::Goal);
+            let (_, flow) = self.trial.run_episode(&mut observers);
             self.recorder.check()?;
             if flow == ControlFlow::Break(()) || stop() {
                 return Err(self.interrupted());

@@ -17,9 +17,7 @@ fn a_run_is_summed_up_on_one_screen() {
     let summary = desk.ok("recording info @run");
     let head = "maze4: xcscr-plus on grid, neighbours, seed 1, 12 episodes\n";
     assert!(summary.starts_with(head), "{summary}");
-    for words in ["13 recordings, ", "  steps per episode    "] {
-        assert!(summary.contains(words), "{summary}");
-    }
+    assert!(summary.contains("13 recordings, "), "{summary}");
     assert!(summary.lines().count() <= 20, "{summary}");
     assert_fits(&summary);
     // A single recording is still listed.
@@ -28,7 +26,7 @@ fn a_run_is_summed_up_on_one_screen() {
 }
 
 #[test]
-fn a_training_ends_with_policy_legend_curve_and_links_and_on_failure_with_the_greedy_path() {
+fn a_training_ends_with_policy_legend_and_links_and_on_failure_with_the_greedy_path() {
     let desk = Desk::new();
     let report = |more: &str| {
         let line = "train maze4 --arena grid --force --out @run";
@@ -36,19 +34,13 @@ fn a_training_ends_with_policy_legend_curve_and_links_and_on_failure_with_the_gr
         assert_eq!(stderr, "", "no progress where nobody watches");
         assert_fits(&text);
         assert!(text.contains("→ best action"), "{text}");
-        let mut lines = text.lines();
-        let curve = lines.find(|line| line.starts_with("  steps per episode"));
-        assert!(curve.unwrap().contains('█'), "{text}");
         text
     };
     let failed = report("--method xcscr --episodes 2");
     for words in ["  it takes             ", "  short-term filter    "] {
         assert!(failed.contains(words), "{failed}");
     }
-    let missed = report("--method q-learning --episodes 3 --set reward.step_threshold=12");
-    assert!(missed.contains("  missed the goal      ×"), "{missed}");
     let solved = report("--episodes 20");
-    assert!(!solved.contains("missed the goal"), "control: {solved}");
     for words in [
         "10 steps, 3 such paths",
         "globally optimal",

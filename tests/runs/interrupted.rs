@@ -133,26 +133,6 @@ fn an_interrupted_run_is_named_and_a_finished_one_is_left_alone() {
     assert!(after == before, "a finished run was changed");
 }
 
-/// The report at the end is about the run, and not about what was left of it.
-#[test]
-fn the_small_curve_of_a_resumed_run_shows_all_of_its_episodes() {
-    let desk = Desk::new();
-    let few = "train maze4 --episodes 40 --method q-learning --out";
-    let curve = |report: &str| {
-        let mut lines = report.lines();
-        let line = lines.find(|line| line.starts_with("  steps per episode"));
-        line.unwrap().to_owned()
-    };
-    interrupted(&desk, &format!("{few} @run"));
-    // Control: some of the episodes, and not all, were left to the second session.
-    assert!(!desk.path("run/ep-0040.mcap").exists());
-    let resumed = curve(&desk.ok("train --resume @run"));
-    let wanted = curve(&desk.ok(&format!("{few} @whole")));
-    assert_eq!(resumed, wanted);
-    let head = "  steps per episode    ".len();
-    assert_eq!(wanted.chars().count(), head + 40);
-}
-
 /// Changes the folder of an interrupted run and resumes it. Gives code and stderr.
 fn resuming_after(change: impl Fn(&Path)) -> (i32, String) {
     let desk = Desk::new();

@@ -9,7 +9,6 @@ use xcscr::record::{RecordingKind, RunKind};
 
 use crate::commands::failure::Failure;
 use crate::commands::results::Results;
-use crate::commands::sparkline::{marks, mean, sparkline};
 use crate::commands::terminal::write_row;
 
 /// The number of episodes at the beginning and at the end that are compared.
@@ -71,12 +70,6 @@ pub fn print(
         let rules = format!("{} at the end", last.rules);
         write_row(out, "rules", rules)?;
     }
-    write_row(out, "steps per episode", sparkline(&steps))?;
-    let missed = episodes.iter().map(|one| one.outcome != "goal");
-    let missed: Vec<bool> = missed.collect();
-    if missed.contains(&true) {
-        write_row(out, "missed the goal", marks(&missed))?;
-    }
     print_files(folder, run, files, out)
 }
 
@@ -106,6 +99,12 @@ fn times(some: &[u32], all: usize) -> String {
         let count = some.len();
         format!("in {count} of {all}, first in episode {first}")
     })
+}
+
+/// Returns the mean of numbers; 0 if there are none.
+fn mean(numbers: &[u32]) -> f64 {
+    let sum: u64 = numbers.iter().copied().map(u64::from).sum();
+    sum as f64 / numbers.len().max(1) as f64
 }
 
 /// Formats the mean, the least and the greatest number.
