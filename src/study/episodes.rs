@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::analysis::learning::CurveSums;
-use super::own::{Agents, Study};
+use super::custom::{Agents, Study};
 use super::protocol::Protocol;
 use super::report::Report;
 use super::runner::threads;
@@ -122,8 +122,16 @@ impl Study {
         let mut differs = None;
         let written = folder.write_with(EPISODES, |file| {
             let mut table = csv::Writer::from_writer(GzEncoder::new(file, Compression::default()));
-            let study = (folder, &self.agents);
-            write_rows(study, &pool, &mut table, &mut sums, stop, &mut differs)?;
+            let agents = &self.agents;
+            write_rows(
+                folder,
+                agents,
+                &pool,
+                &mut table,
+                &mut sums,
+                stop,
+                &mut differs,
+            )?;
             let packed = table.into_inner().map_err(|fault| fault.into_error())?;
             packed.finish().map(|_| ())
         });
@@ -135,7 +143,8 @@ impl Study {
 /// Writes the rows of all trials. Ends with an error after the first trial whose result differs from the stored one, and
 /// describes it in `differs`.
 fn write_rows(
-    (folder, agents): (&StudyFolder, &Agents),
+    folder: &StudyFolder,
+    agents: &Agents,
     pool: &ThreadPool,
     table: &mut csv::Writer<impl Write>,
     sums: &mut [CurveSums],

@@ -5,7 +5,7 @@
 //! | `protocol` | study files, and the protocol that they are frozen into |
 //! | `store` | the folder of a study: the plan, and journals of finished trials |
 //! | `runner`, `cluster` | running trials: on threads, in tasks on many machines |
-//! | `own` | custom agents in studies |
+//! | `custom` | custom agents in studies |
 //! | `statistics` | tests and intervals, independent of mazes and learners |
 //! | `analysis`, `episodes` | summaries of arms, learning curves, and tables for other programs |
 //! | `report` | the report in words, tables and figures |
@@ -15,7 +15,7 @@ mod analysis;
 mod cluster;
 mod episodes;
 mod error;
-mod own;
+mod custom;
 mod protocol;
 mod report;
 mod robustness;
@@ -24,7 +24,7 @@ mod statistics;
 mod store;
 
 pub use cluster::{TaskProgress, TaskState};
-pub use own::Study;
+pub use custom::Study;
 pub use protocol::{Arm, Overrides, Protocol, StudyFile, StudyKey, Variant};
 pub use report::Report;
 pub use robustness::{ConditionResult, LeftOut, Robustness};

@@ -8,8 +8,8 @@ use std::thread;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use super::custom::Agents;
 use super::error;
-use super::own::Agents;
 use super::protocol::Protocol;
 use super::store::{Journal, Records, StudyFolder, TrialRecord};
 use crate::Error;
@@ -33,16 +33,17 @@ impl StudyWatcher for () {}
 /// A finished trial, and the channel of the thread that waits until the trial is written.
 type Finished = (TrialRecord, SyncSender<()>);
 
-/// Runs missing trials on `jobs` threads (all cores when 0), and stores them in a new journal of a
-/// task. A thread begins its next trial when its last one is written, so a killed process loses at
+/// Runs the missing trials of a task on `jobs` threads (all cores when 0), and stores them in a new
+/// journal. A thread begins its next trial when its last one is written, so a killed process loses at
 /// most one trial per thread.
 pub(super) fn run_trials(
     folder: &mut StudyFolder,
     agents: &Agents,
-    (task, trials): (usize, &[usize]),
+    task: usize,
     jobs: usize,
     watcher: &mut dyn StudyWatcher,
 ) -> Result<(), Error> {
+    let trials = folder.missing_of(task);
     if trials.is_empty() {
         return Ok(());
     }
@@ -51,14 +52,14 @@ pub(super) fn run_trials(
         planned, records, ..
     } = folder;
     let mut journal = planned.begin(task)?;
-    let study = (planned.protocol(), agents);
+    let protocol = planned.protocol();
     let stop = AtomicBool::new(false);
     let (sender, receiver) = channel();
     thread::scope(|scope| {
-        let run = || pool.install(|| run_each(study, trials, sender, &stop));
+        let run = || pool.install(|| run_each(protocol, agents, &trials, sender, &stop));
         let spawned = thread::Builder::new().spawn_scoped(scope, run);
         spawned.map_err(error::jobs(jobs))?;
-        let stored = store_all(receiver, (&mut journal, records), watcher, &stop);
+        let stored = store_all(receiver, &mut journal, records, watcher, &stop);
         stop.store(true, Ordering::Relaxed);
         stored
     })
@@ -72,7 +73,8 @@ pub(super) fn threads(jobs: usize) -> Result<ThreadPool, Error> {
 
 /// Runs trials on the threads of the current pool until `stop` is set.
 fn run_each(
-    (protocol, agents): (&Protocol, &Agents),
+    protocol: &Protocol,
+    agents: &Agents,
     trials: &[usize],
     sender: Sender<Finished>,
     stop: &AtomicBool,
@@ -92,7 +94,8 @@ fn run_each(
 /// Writes records as they arrive, all waiting records at once, until the channel is closed.
 fn store_all(
     receiver: Receiver<Finished>,
-    (journal, finished): (&mut Journal, &mut Records),
+    journal: &mut Journal,
+    finished: &mut Records,
     watcher: &mut dyn StudyWatcher,
     stop: &AtomicBool,
 ) -> Result<(), Error> {

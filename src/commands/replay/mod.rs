@@ -35,8 +35,7 @@ pub struct ReplayArgs {
 /// Writes a page, or serves recordings on this machine only and prints links that open them.
 pub fn run(args: &ReplayArgs, out: &mut Results) -> Result<(), Failure> {
     if let Some(file) = &args.html {
-        let output = (file.as_path(), args.force);
-        return page::write(&args.recordings, output, out);
+        return page::write(&args.recordings, file, args.force, out);
     }
     let files = all_recordings(&args.recordings)?;
     serve::run(serve::offers(&files)?, &args.service(), out)

@@ -16,7 +16,8 @@ use crate::commands::terminal::{file_link, shows_links, write_link};
 /// Writes the page to `file` and prints its address.
 pub fn write(
     paths: &[PathBuf],
-    (file, force): (&Path, bool),
+    file: &Path,
+    force: bool,
     out: &mut Results,
 ) -> Result<(), Failure> {
     let output = OutputFile::free(file, force)?;

@@ -1,6 +1,6 @@
 //! Tasks of a planned study: running them, and their states.
 
-use crate::study::own::Agents;
+use crate::study::custom::Agents;
 use crate::study::runner::{StudyWatcher, run_trials};
 use crate::study::store::{PlannedStudy, StudyFolder};
 use crate::{Error, ErrorKind};
@@ -46,15 +46,14 @@ impl PlannedStudy {
         }
         self.require_same_program()?;
         let mut folder = StudyFolder::of(self.clone(), Some(task))?;
-        let before = folder.missing_of(task);
-        watcher.begins(before.len());
-        let agents = Agents::default();
-        run_trials(&mut folder, &agents, (task, &before), jobs, watcher)?;
+        let before = folder.missing_of(task).len();
+        watcher.begins(before);
+        run_trials(&mut folder, &Agents::default(), task, jobs, watcher)?;
         let missing = folder.missing_of(task).len();
         Ok(TaskProgress {
             trials: self.trials_of(task).count(),
             missing,
-            finished: before.len() - missing,
+            finished: before - missing,
         })
     }
 

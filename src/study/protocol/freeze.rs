@@ -79,10 +79,11 @@ fn arms(
     let variants = variants(file, overrides)?;
     let mut arms = Vec::new();
     for (maze, &method) in product(worlds, &file.document.methods) {
-        let common = settings(file, maze.name(), method)?;
+        let world = maze.name();
+        let common = settings(file, world, method)?;
         let own = override_with(&common, &file.origin, &file.method_settings(method)?)?;
-        let base = (method, Resolved::new(&own, &[], &overrides.sets)?.settings);
-        arms.extend(arms_of(file, maze.name(), &base, &variants, arenas)?);
+        let base = Resolved::new(&own, &[], &overrides.sets)?.settings;
+        arms.extend(arms_of(file, world, method, &base, &variants, arenas)?);
     }
     Ok(arms)
 }
@@ -99,12 +100,10 @@ fn agent_arms(
     let variants = variants(file, overrides)?;
     let mut arms = Vec::new();
     for maze in worlds {
-        let common = settings(file, maze.name(), method)?;
-        let base = (
-            method,
-            Resolved::new(&common, &[], &overrides.sets)?.settings,
-        );
-        arms.extend(arms_of(file, maze.name(), &base, &variants, arenas)?);
+        let world = maze.name();
+        let common = settings(file, world, method)?;
+        let base = Resolved::new(&common, &[], &overrides.sets)?.settings;
+        arms.extend(arms_of(file, world, method, &base, &variants, arenas)?);
     }
     Ok(arms)
 }
@@ -113,7 +112,8 @@ fn agent_arms(
 fn arms_of(
     file: &StudyFile,
     world: &str,
-    (method, base): &(Method, Settings),
+    method: Method,
+    base: &Settings,
     variants: &[Variation],
     arenas: &[ArenaKind],
 ) -> Result<Vec<Arm>, Error> {
@@ -128,7 +128,7 @@ fn arms_of(
         for (arena, sensor) in arenas.iter().flat_map(sensors) {
             arms.push(Arm {
                 world: world.to_owned(),
-                method: *method,
+                method,
                 arena,
                 sensor,
                 variant: variant.clone(),

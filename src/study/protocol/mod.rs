@@ -1,7 +1,7 @@
 //! The protocol of a study, which is fixed before its first trial.
 
 mod agents;
-mod changes;
+mod differences;
 mod file;
 mod freeze;
 mod keys;

@@ -10,8 +10,8 @@ use super::record::{TrialRecord, trial};
 use super::records::Records;
 use crate::disk;
 use crate::disk::{FolderLock, LOCK};
+use crate::study::custom::Agents;
 use crate::study::error;
-use crate::study::own::Agents;
 use crate::study::protocol::Protocol;
 use crate::trial::Plan;
 use crate::{Error, ErrorKind};
@@ -260,8 +260,8 @@ impl StudyFolder {
         let reached = self.records().filter_map(|record| {
             let progress = record.result.ok()?.progress;
             let steps = progress.first_optimal_env_steps.unwrap_or(u64::MAX);
-            let is_own = self.protocol().arm(record.trial).agent.is_some();
-            let progress = Some(progress).filter(|_| !is_own)?;
+            let is_custom = self.protocol().arm(record.trial).agent.is_some();
+            let progress = Some(progress).filter(|_| !is_custom)?;
             Some((!progress.optimal, steps, progress.best_steps?, record.trial))
         });
         let Some((.., number)) = reached.min() else {

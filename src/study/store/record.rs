@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use serde::{Deserialize, Serialize};
 
 use crate::episode::Episode;
-use crate::study::own::Agents;
+use crate::study::custom::Agents;
 use crate::study::protocol::Protocol;
 use crate::trial::{Compacted, Config, Evaluation, GreedySteps, Plan, Progress, Trial};
 use crate::world::Maze;
@@ -153,8 +153,8 @@ impl TrialRecord {
                 "the study has no trial {trial}: it has {trials}, counted from 0"
             ));
         }
-        let is_own = protocol.arm(trial).agent.is_some();
-        let figures = self.figures().map_or(Ok(()), |figures| match is_own {
+        let is_custom = protocol.arm(trial).agent.is_some();
+        let figures = self.figures().map_or(Ok(()), |figures| match is_custom {
             true => figures.check_own(protocol.config(trial)),
             false => figures.check(protocol.maze(trial), &protocol.config(trial)),
         });

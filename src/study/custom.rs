@@ -131,8 +131,7 @@ impl Study {
         }
         watcher.begins(folder.missing().len());
         for task in 1..=folder.planned().tasks() {
-            let trials = folder.missing_of(task);
-            run_trials(&mut folder, &self.agents, (task, &trials), jobs, watcher)?;
+            run_trials(&mut folder, &self.agents, task, jobs, watcher)?;
             if !folder.missing_of(task).is_empty() {
                 break;
             }
@@ -146,11 +145,11 @@ impl Study {
     /// Repeats the first stored trial of each custom agent. A changed agent would mix its results with earlier ones.
     fn require_same_agents(&self, folder: &StudyFolder) -> Result<(), Error> {
         self.agents.0.keys().try_for_each(|name| {
-            let is_own = |record: &TrialRecord| {
+            let is_custom = |record: &TrialRecord| {
                 let agent = &self.protocol.arm(record.trial).agent;
                 agent.as_ref() == Some(name) && record.result.is_ok()
             };
-            folder.records().find(is_own).map_or(Ok(()), |stored| {
+            folder.records().find(is_custom).map_or(Ok(()), |stored| {
                 let repeated = TrialRecord::of(&self.protocol, &self.agents, stored.trial);
                 folder.require_equal(&repeated)
             })
