@@ -13,4 +13,4 @@ study, tasks, folder = sys.argv[1], int(sys.argv[2]), os.path.abspath(sys.argv[3
 xcscr("plan", study, "--tasks", tasks, "--out", folder)
 ray.init()
 ray.get([task.remote(folder, number + 1) for number in range(tasks)])
-xcscr("merge", folder)
+xcscr("report", folder)

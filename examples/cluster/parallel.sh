@@ -7,4 +7,4 @@ study=$1 tasks=$2 dir=$(realpath -m "$3")
 shift 3
 xcscr study plan "$study" --tasks "$tasks" --out "$dir"
 seq "$tasks" | parallel --retries 3 "$@" xcscr study task "$dir" {} --jobs 1 --quiet
-xcscr study merge "$dir"
+xcscr study report "$dir"

@@ -79,12 +79,27 @@ pub fn journal(study: &Path) -> PathBuf {
 /// Two folders hold the same files with the same bytes.
 #[track_caller]
 pub fn assert_same(found: &Path, wanted: &Path, what: &str) {
-    let (found, wanted) = (contents(found), contents(wanted));
+    assert_equal(&contents(found), &contents(wanted), what);
+}
+
+/// Two studies have the same results and trials, whatever their numbers of tasks.
+#[track_caller]
+pub fn assert_same_study(found: &Path, wanted: &Path, what: &str) {
+    let [found, wanted] = [found, wanted].map(|study| {
+        let mut files = contents(study);
+        files.retain(|(name, _)| name != "study.json");
+        files
+    });
+    assert_equal(&found, &wanted, what);
+}
+
+#[track_caller]
+fn assert_equal(found: &[(String, Vec<u8>)], wanted: &[(String, Vec<u8>)], what: &str) {
     let names = |files: &[(String, Vec<u8>)]| -> Vec<String> {
         files.iter().map(|(name, _)| name.clone()).collect()
     };
-    assert_eq!(names(&found), names(&wanted), "{what}");
-    for ((name, a), (_, b)) in found.iter().zip(&wanted) {
+    assert_eq!(names(found), names(wanted), "{what}");
+    for ((name, a), (_, b)) in found.iter().zip(wanted) {
         assert!(a == b, "{what}: {name} differs");
     }
 }

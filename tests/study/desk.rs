@@ -98,17 +98,17 @@ impl Desk {
         assert!(said.contains(message), "{words}: {message}: {said}");
     }
 
-    /// A study has the files and trials of another one.
+    /// A study has the results and trials of another one, whatever its number of tasks.
     #[track_caller]
     pub fn assert_same(&self, name: &str, other: &str) {
-        folder::assert_same(&self.path(name), &self.path(other), name);
+        folder::assert_same_study(&self.path(name), &self.path(other), name);
     }
 
-    /// A study has the files and trials of a finished one that nobody runs commands on.
+    /// The same for a finished one that nobody runs commands on.
     #[track_caller]
     pub fn assert_whole(&self, name: &str) {
         static DESK: LazyLock<Desk> = LazyLock::new(Desk::with_whole);
-        folder::assert_same(&self.path(name), &DESK.path("whole"), name);
+        folder::assert_same_study(&self.path(name), &DESK.path("whole"), name);
     }
 
     /// Returns the numbers of the trials in the journals of a study, in the order of their lines.

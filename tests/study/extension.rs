@@ -80,25 +80,20 @@ fn a_smaller_study_stays_until_the_larger_one_is_finished() {
 }
 
 #[test]
-fn nothing_is_added_to_a_study_in_tasks_but_to_its_merged_study() {
+fn a_study_in_tasks_is_extended_too() {
     let desk = Desk::new();
-    for (folder, tasks) in [("a", 1), ("b", 3)] {
-        desk.done(&format!(
-            "plan small.toml --trials 2 --tasks {tasks} --out {folder}"
-        ));
-        for task in 1..=tasks {
-            desk.done(&format!("task {folder} {task} --quiet"));
-        }
-        desk.done(&format!("merge {folder}"));
-        let merged = format!("{folder}/result");
-        let before = results(&desk, &merged);
-        let run = format!("run small.toml --quiet --out {folder}");
-        let message = format!("add the trials to its merged study with `--out {merged}`");
-        desk.refused(&run, 73, &message);
-        assert_eq!(results(&desk, &merged), before);
-        desk.done(&format!("{run}/result"));
-        assert_eq!(results(&desk, &merged), results(&Desk::finished(), "whole"));
+    desk.done("plan small.toml --trials 2 --tasks 3 --out a");
+    for task in 1..=3 {
+        desk.done(&format!("task a {task} --quiet"));
     }
+    let small = desk.done("report a");
+    let plan = "plan small.toml --tasks 3 --out a";
+    desk.refused(plan, 73, "a smaller study (`trials` is `4`, but `2` there)");
+    desk.done("run small.toml --out a --quiet");
+    desk.done("task a 2 --quiet");
+    assert_eq!(desk.trials("a").len(), 16);
+    assert_ne!(desk.done("report a"), small);
+    assert_eq!(results(&desk, "a"), results(&Desk::finished(), "whole"));
 }
 
 #[test]

@@ -64,7 +64,7 @@ fn an_incomplete_study_is_no_result_and_status_says_what_is_missing() {
         }
     };
     begin("small.toml", 4, "a", &[1, 3]);
-    desk.refused("merge a --out ab", 1, "8 of 16 trials are missing");
+    desk.refused("report a", 1, "8 of 16 trials are missing");
     assert!(!desk.path("ab").exists());
     // What is finished is shown, but not tested, and no file says that it is the result.
     let (shown, said) = desk.ends("report a", 1);
@@ -241,7 +241,7 @@ fn one_flipped_bit_in_a_journal_is_damage_and_takes_no_finished_trial_away() {
     assert_ne!(lines[2], sound);
     keep(&path, &lines);
     let run = "run small.toml --out a --trials 2";
-    for words in ["status a", "report a", run, "merge a --out b"] {
+    for words in ["status a", "report a", run] {
         desk.refused(words, 65, "line 3 is damaged");
         assert_eq!(fs::read_to_string(&path).unwrap(), lines.join("\n") + "\n");
     }
@@ -255,7 +255,6 @@ fn one_flipped_bit_in_a_journal_is_damage_and_takes_no_finished_trial_away() {
 fn journals_that_contradict_themselves_or_each_other_are_refused() {
     let desk = Desk::new();
     let (path, mut lines) = journal(&desk);
-    desk.done("merge a --out b");
     let sound = lines.clone();
     lines.push(lines[3].clone());
     keep(&path, &lines);
@@ -268,25 +267,15 @@ fn journals_that_contradict_themselves_or_each_other_are_refused() {
         "another result of trial 1 of maze4 xcscr grid neighbours than an earlier line",
     );
     keep(&path, &sound);
-    // Another journal, beside this one and in another folder.
+    // Another journal beside this one.
     lines = sound;
     lines[1] = forge(&lines[1], "rules", 999.into());
     let name = "00001-zzzzzzzzzz";
     let twin = path.with_file_name(name);
     keep(&twin, &lines);
-    desk.refused(
-        "merge a --out c",
-        65,
-        "another result of trial 1 of maze4 xcs grid",
-    );
-    desk.refused("merge a --out c", 65, name);
-    fs::remove_file(twin).unwrap();
-    keep(&folder::journal(&desk.path("b")), &lines);
-    desk.refused(
-        "merge a --out b",
-        65,
-        "another result of trial 1 of maze4 xcs grid",
-    );
+    let message = "another result of trial 1 of maze4 xcs grid";
+    desk.refused("report a", 65, message);
+    desk.refused("report a", 65, name);
 }
 
 #[test]

@@ -34,7 +34,7 @@ fn a_plan_says_what_would_be_run_and_writes_nothing_unless_told_where() {
 }
 
 #[test]
-fn tasks_in_any_order_and_again_merge_to_the_bytes_of_one_process() {
+fn tasks_in_any_order_and_again_give_the_bytes_of_one_process() {
     let desk = Desk::new();
     for tasks in [1, 3, 16] {
         let out = format!("split{tasks}");
@@ -45,8 +45,8 @@ fn tasks_in_any_order_and_again_merge_to_the_bytes_of_one_process() {
         // A finished task runs nothing again.
         desk.done(&format!("task {out} 1"));
         assert_each_once(&desk, &out, 16);
-        desk.done(&format!("merge {out}"));
-        desk.assert_whole(&format!("{out}/result"));
+        desk.done(&format!("report {out}"));
+        desk.assert_whole(&out);
     }
     // One process finishes what tasks began, and tasks what one process began.
     desk.done("plan small.toml --tasks 3 --out split");
@@ -54,8 +54,7 @@ fn tasks_in_any_order_and_again_merge_to_the_bytes_of_one_process() {
     desk.done("task split 1");
     desk.done("run small.toml --out split --quiet");
     assert_each_once(&desk, "split", 16);
-    desk.done("merge split");
-    desk.assert_whole("split/result");
+    desk.assert_whole("split");
 }
 
 #[test]
@@ -68,7 +67,7 @@ fn the_array_job_that_a_plan_prints_runs_every_task() {
     assert!(script.contains("\n#SBATCH --array=1-3\n"), "{script}");
     desk.write("array.sh", script);
     for task in 1..=3 {
-        desk.refused("merge split", 1, "trials are missing");
+        desk.refused("report split", 1, "trials are missing");
         let path = format!("{}:/usr/bin:/bin", desk.path("bin").display());
         let mut job = Command::new("sh");
         job.arg("array.sh").current_dir(desk.path(""));
@@ -76,12 +75,12 @@ fn the_array_job_that_a_plan_prints_runs_every_task() {
             .env("SLURM_ARRAY_TASK_ID", task.to_string());
         assert!(job.status().unwrap().success(), "task {task}");
     }
-    desk.done("merge split");
-    desk.assert_whole("split/result");
+    desk.done("report split");
+    desk.assert_whole("split");
 }
 
 #[test]
-fn what_is_not_finished_is_not_merged_and_status_tells_the_tasks() {
+fn what_is_not_finished_is_not_reported_and_status_tells_the_tasks() {
     let desk = Desk::new();
     desk.done("plan small.toml --tasks 5 --out split");
     desk.done("task split 2");
@@ -94,8 +93,8 @@ fn what_is_not_finished_is_not_merged_and_status_tells_the_tasks() {
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }
-    desk.refused("merge split", 1, "10 of 16 trials are missing");
-    assert!(!desk.path("split/result").exists());
+    desk.refused("report split", 1, "10 of 16 trials are missing");
+    assert!(!desk.path("split/trials.csv").exists());
 }
 
 #[cfg(feature = "long")]
@@ -126,11 +125,8 @@ fn killed_at_any_moment_a_study_keeps_what_it_finished_and_runs_none_of_it_again
         desk.done(&words);
         // No trial is in two journals: what was finished was seen by the next attempt.
         assert_each_once(&desk, &out, 120);
-        let result = format!("{out}/result");
-        if is_task {
-            desk.done(&format!("merge {out}"));
-        }
-        desk.assert_same(if is_task { &result } else { &out }, "whole");
+        desk.done(&format!("report {out}"));
+        desk.assert_same(&out, "whole");
     }
 }
 

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 use xcscr::ErrorKind;
-use xcscr::study::{PlannedStudy, Protocol, Report, Study, StudyFolder};
+use xcscr::study::{Protocol, Report, Study, StudyFolder};
 
 use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
@@ -40,17 +40,6 @@ pub enum StudyCommand {
         /// Print one JSON document.
         #[arg(long)]
         json: bool,
-    },
-    /// Merge the tasks of a planned study into one folder.
-    Merge {
-        /// The folder of a planned study.
-        folder: PathBuf,
-        /// Folder of the merged study [default: `result` in the folder of the study].
-        #[arg(short, long, value_name = "DIR")]
-        out: Option<PathBuf>,
-        /// Replace another study in this folder, and changes made by hand.
-        #[arg(long)]
-        force: bool,
     },
     /// Write a row for each episode of a study into episodes.csv.gz in its folder. This repeats the
     /// trials.
@@ -113,11 +102,6 @@ pub fn run(command: &StudyCommand, out: &mut Results) -> Result<(), Failure> {
         StudyCommand::Status { folder, json } => {
             Status::of(&StudyFolder::read(folder)?)?.print(*json, out)
         }
-        StudyCommand::Merge {
-            folder,
-            out: path,
-            force,
-        } => finish(&merge(folder, path.as_deref(), *force)?, false, out),
         StudyCommand::Episodes {
             folder,
             jobs,
@@ -132,15 +116,6 @@ pub fn run(command: &StudyCommand, out: &mut Results) -> Result<(), Failure> {
             json,
         } => report(folder, *force, *json, out),
     }
-}
-
-fn merge(folder: &Path, out: Option<&Path>, force: bool) -> Result<StudyFolder, Failure> {
-    let planned = PlannedStudy::read(folder)?;
-    let path = out.map_or_else(|| planned.result(), Path::to_owned);
-    if force {
-        StudyFolder::replace_other(&path, planned.protocol())?;
-    }
-    Ok(StudyFolder::merge(folder, &path)?.replacing(force))
 }
 
 fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {

@@ -134,7 +134,7 @@ impl Tasks {
             }
         }
         match &self.array[..] {
-            "" => writeln!(out, "next: xcscr study merge {}", self.folder),
+            "" => writeln!(out, "next: xcscr study report {}", self.folder),
             array => writeln!(
                 out,
                 "to complete it, run the tasks that do not run now, in Slurm with --array={array}"

@@ -27,7 +27,7 @@ pub struct TaskArgs {
     quiet: bool,
 }
 
-/// Runs the missing trials of a task. Failed trials are results, which the merge reports.
+/// Runs the missing trials of a task. Failed trials are results, which the report lists.
 pub(super) fn run(args: &TaskArgs) -> Result<(), Failure> {
     let planned = PlannedStudy::read(&args.folder)?;
     let task = args.task;

@@ -16,9 +16,6 @@ use crate::study::protocol::Protocol;
 use crate::trial::Plan;
 use crate::{Error, ErrorKind};
 
-/// Maximum number of records in one write to a journal.
-const MOST_AT_ONCE: usize = 1_000;
-
 /// A planned study with its finished trials.
 #[derive(Debug)]
 pub struct StudyFolder {
@@ -50,8 +47,10 @@ impl StudyFolder {
             force: false,
             _lock: None,
         };
+        // An earlier plan has other trials in a task.
+        let is_split = folder.planned.earlier().is_empty();
         for (other, path) in folder.planned.journals()? {
-            if task.is_none_or(|task| task == other) {
+            if task.is_none_or(|task| task == other || !is_split) {
                 folder.read_journal(&path)?;
             }
         }
@@ -116,7 +115,6 @@ impl StudyFolder {
         let Some(larger) = found.planned.extended(protocol) else {
             return Ok(found);
         };
-        found.planned.require_one_task()?;
         Ok(Self {
             _lock: found._lock,
             ..Self::of(larger, None)?
@@ -172,30 +170,6 @@ impl StudyFolder {
             true => Self::remove_outputs(self.path()),
             false => Ok(()),
         }
-    }
-
-    /// Copies the trials of a study, which must be complete, into the folder `out`, as one task.
-    ///
-    /// # Errors
-    /// [`ErrorKind::Refuted`] when trials are missing, or the errors of [`Self::read_locked`].
-    pub fn merge(path: &Path, out: &Path) -> Result<Self, Error> {
-        let split = Self::read(path)?;
-        split.require_complete()?;
-        let mut merged = Self::open(out, split.protocol())?;
-        let missing = merged.missing();
-        for record in split.records() {
-            merged.insert(out, &record)?;
-        }
-        if !missing.is_empty() {
-            let mut journal = merged.planned.begin(1)?;
-            for some in missing.chunks(MOST_AT_ONCE) {
-                let records = some.iter().filter_map(|trial| split.records.get(*trial));
-                journal.write(&records.collect::<Vec<_>>())?;
-            }
-            journal.sync()?;
-        }
-        merged.replace_smaller()?;
-        Ok(merged)
     }
 
     /// Returns the plan.

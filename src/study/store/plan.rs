@@ -20,8 +20,6 @@ use xcs::bounds::within;
 pub const PLAN: &str = "study.json";
 /// The folder of the journals.
 const JOURNALS: &str = "journals";
-/// The default folder of the merged study.
-const RESULT: &str = "result";
 /// More tasks than any cluster engine accepts at once.
 const MOST_TASKS: usize = 100_000;
 
@@ -196,20 +194,6 @@ impl PlannedStudy {
         }
     }
 
-    /// Checks that no other file of the folder depends on its trials: neither tasks nor a merged study.
-    pub(super) fn require_one_task(&self) -> Result<(), Error> {
-        let result = self.result();
-        match self.tasks == 1 && !result.exists() {
-            true => Ok(()),
-            false => Err(ErrorKind::CannotCreate.error(format!(
-                "{} is a study in tasks, to which nothing can be added: add the trials to its merged study \
-                 with `--out {}`",
-                self.path.display(),
-                disk::typed(&result)
-            ))),
-        }
-    }
-
     /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
@@ -233,11 +217,6 @@ impl PlannedStudy {
     /// Returns the trials of a task, counted from 1.
     pub(in crate::study) fn trials_of(&self, task: usize) -> impl Iterator<Item = usize> {
         (task - 1..self.protocol.len()).step_by(self.tasks)
-    }
-
-    /// Returns the default folder of the merged study.
-    pub fn result(&self) -> PathBuf {
-        self.path.join(RESULT)
     }
 
     /// Starts a new journal for trials of a task.
