@@ -11,7 +11,6 @@ pub mod folder;
 pub mod messages;
 pub mod mutants;
 pub mod program;
-pub mod schema;
 pub mod script;
 pub mod scripted;
 pub mod served;

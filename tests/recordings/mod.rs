@@ -9,6 +9,7 @@ mod checking;
 mod copies;
 mod external;
 mod forged_recordings;
+#[cfg(feature = "long")]
 mod methods;
 mod page;
 mod recording;

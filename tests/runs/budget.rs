@@ -8,7 +8,6 @@ use std::process::{Command, Output};
 
 use crate::kit::desk::Desk;
 use crate::kit::program::ended;
-use xcscr::record;
 
 /// What the program itself needs, threads and all, in KiB.
 pub const ITSELF: u64 = 192 << 10;
@@ -114,20 +113,6 @@ fn ten_megabytes_of_anything_need_at_most_ten_times_their_size_and_64_mib() {
     }
 }
 
-#[test]
-fn nonsense_in_place_of_a_file_ends_with_a_code_that_says_so() {
-    let desk = Desk::new();
-    desk.write("nonsense", [0xff, 0, b'\n', b'{'].repeat(1000));
-    desk.write("folder/file", "");
-    let inputs = ["@nonsense", "@folder", "no/such/file"].into_iter();
-    for line in inputs.flat_map(readers) {
-        let output = desk.output(&line);
-        let code = output.status.code().unwrap();
-        assert!([2, 65, 66, 73, 74].contains(&code), "{line}: {code}");
-        ended(&output, code, &line);
-    }
-}
-
 /// Pixels of one grey, packed a thousand times smaller.
 fn picture(path: &Path, side: u32) -> u64 {
     let mut encoder = png::Encoder::new(File::create(path).unwrap(), side, side);
@@ -154,31 +139,6 @@ fn a_picture_is_read_up_to_64_million_pixels_within_14_bytes_for_each() {
     picture(&desk.path("m.png"), 4096);
     let room = (14 << 24) >> 10;
     ended(&within(&desk, ITSELF + room, line), 0, line);
-}
-
-#[test]
-fn a_study_that_names_much_is_refused_before_it_is_made() {
-    let desk = Desk::new();
-    let study = |worlds: &[String], more: &str| {
-        format!(
-            "name = \"s\"\nworlds = {worlds:?}\nmethods = [\"xcs\"]\ntrials = 1\n\
-             episodes = 1\n{more}"
-        )
-    };
-    let named = |count: usize, size: usize| -> Vec<String> {
-        (0..count).map(|n| format!("dfs-{size}-{n}")).collect()
-    };
-    let rates: Vec<f64> = (1..=2_501).map(|n| f64::from(n) / 1e4).collect();
-    let sweep = format!("[sweep]\n\"xcs.beta\" = {rates:?}\n");
-    for (text, words) in [
-        (study(&named(5, 1024), ""), "cells of all generated worlds"),
-        (study(&named(1_001, 5), ""), "worlds"),
-        (study(&["maze4".to_owned()], &sweep), "2501 combinations"),
-    ] {
-        desk.write("s.toml", text);
-        small(&desk, 65, "study run @s.toml --out @out", words);
-        assert!(!desk.path("out").exists(), "{words}: a folder was made");
-    }
 }
 
 /// Nothing tells the cells apart, edges are joined, and episodes start in all: what can be believed
@@ -244,21 +204,6 @@ fn a_world_of_a_million_cells_is_trained_in_within_100_megabytes_and_too_large_a
         let (_, stderr) = ended(&within(&desk, ITSELF + LARGEST, line), code, line);
         assert!(stderr.contains(words), "{line}: {stderr}");
     }
-}
-
-/// Nothing tells its cells apart, and every episode is short: what is recorded repeats itself.
-#[test]
-fn recordings_of_a_hall_without_landmarks_are_believed() {
-    let desk = Desk::new();
-    let mut rows = vec![".".repeat(32); 32];
-    rows[31].replace_range(31.., "G");
-    let world = format!(r#"{{"wrap": true, "moves": 8, "rows": {rows:?}}}"#);
-    desk.write("w.json", world);
-    let line = "train @w.json --arena grid --method xcs --episodes 60 --quiet --out @run \
-                --record every:60 --set reward.step_threshold=1";
-    ended(&within(&desk, ITSELF + (256 << 10), line), 0, line);
-    let faults = record::check(&desk.path("run/run.mcap")).unwrap();
-    assert!(faults.is_empty(), "{faults:?}");
 }
 
 #[test]
