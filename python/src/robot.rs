@@ -52,8 +52,8 @@ impl Robot {
         Ok(())
     }
 
-    /// Tries to move one cell. Returns the outcome and any auxiliary reward found.
-    fn step(&self, action: usize) -> PyResult<(&'static str, f64)> {
+    /// Tries to move one cell. Returns the outcome.
+    fn step(&self, action: usize) -> PyResult<&'static str> {
         let action = Action::new(action).filter(|action| action.index() < self.actions());
         let action = action.ok_or_else(|| {
             invalid(format!(
@@ -61,15 +61,12 @@ impl Robot {
                 self.actions() - 1
             ))
         })?;
-        let outcome = self.arena().act(action);
-        let name = match outcome {
+        Ok(match self.arena().act(action) {
             Outcome::Moved => "moved",
-            Outcome::FoundReward { .. } => "found-reward",
             Outcome::Collided { .. } => "collided",
             Outcome::Stalled => "stalled",
             Outcome::ReachedGoal => "reached-goal",
-        };
-        Ok((name, outcome.found()))
+        })
     }
 
     /// Returns the percept, one byte of 0 or 1 per bit.

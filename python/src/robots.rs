@@ -41,15 +41,13 @@ pub struct Robots {
     lanes: Mutex<Vec<Box<dyn Arena>>>,
 }
 
-/// Returns the outcome as a number: 0 moved, 1 found a reward, 2 collided, 3 stalled, 4 reached the
-/// goal.
+/// Returns the outcome as a number: 0 moved, 1 collided, 2 stalled, 3 reached the goal.
 fn number(outcome: Outcome) -> u8 {
     match outcome {
         Outcome::Moved => 0,
-        Outcome::FoundReward { .. } => 1,
-        Outcome::Collided { .. } => 2,
-        Outcome::Stalled => 3,
-        Outcome::ReachedGoal => 4,
+        Outcome::Collided { .. } => 1,
+        Outcome::Stalled => 2,
+        Outcome::ReachedGoal => 3,
     }
 }
 
@@ -132,25 +130,22 @@ impl Robots {
     }
 
     /// Tries to move each robot whose action is below the number of actions. Of the others, those in `begins` start an
-    /// episode. Returns an outcome byte for each robot (0 moved, 1 found a reward, 2 collided, 3 stalled, 4 reached the
-    /// goal, 255 did not move), the auxiliary rewards, and what `observe` returns.
+    /// episode. Returns an outcome byte for each robot (0 moved, 1 collided, 2 stalled, 3 reached the goal, 255 did not
+    /// move), and what `observe` returns.
     fn step<'py>(
         &self,
         py: Python<'py>,
         actions: &[u8],
         begins: Vec<Begin>,
-    ) -> PyResult<(Outcomes<'py>, Outcomes<'py>, Observed<'py>)> {
+    ) -> PyResult<(Outcomes<'py>, Observed<'py>)> {
         let count = self.plan.maze.action_count();
         let begins = self.checked(begins)?;
         let least = self.lanes_per_thread();
         let act = |(lane, (arena, &action)): (usize, (&mut Box<dyn Arena>, &u8))| {
             begin(&begins, lane, arena);
             let action = Action::new(usize::from(action)).filter(|action| action.index() < count);
-            let (code, found) = action.map_or((NONE, 0.0), |action| {
-                let outcome = arena.act(action);
-                (number(outcome), outcome.found())
-            });
-            (code, found, self.state(arena))
+            let code = action.map_or(NONE, |action| number(arena.act(action)));
+            (code, self.state(arena))
         };
         let all: Vec<_> = self.with(py, |lanes| {
             if lanes.len() != actions.len() {
@@ -161,9 +156,8 @@ impl Robots {
             Ok(all.with_min_len(least).map(act).collect())
         })?;
         let codes: Vec<u8> = all.iter().map(|one| one.0).collect();
-        let found: Vec<u8> = all.iter().flat_map(|one| one.1.to_ne_bytes()).collect();
-        let observed = as_bytes(py, all.iter().map(|one| &one.2));
-        Ok((PyBytes::new(py, &codes), PyBytes::new(py, &found), observed))
+        let observed = as_bytes(py, all.iter().map(|one| &one.1));
+        Ok((PyBytes::new(py, &codes), observed))
     }
 
     /// Returns the percepts, one byte of 0 or 1 per bit, robot by robot. Then the facts of each robot as eight-byte floats

@@ -38,7 +38,6 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
 
     ## Rewards
     `goal_reward` (1) at a goal, `step_reward` (0) otherwise, and `collision_reward` (0) in addition where the robot hits a wall.
-    Auxiliary rewards of the world are added.
 
     ## Starting State
     The start cell of the world, or a random free cell. `reset(options={"start": (column, row), "goal": (column, row)})` chooses them. A
@@ -118,11 +117,11 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
         if self._history is None:
             raise gymnasium.error.ResetNeeded("call reset before step")
         move = checks.whole("action", action, 0, self._robot.actions - 1)
-        outcome, found = self._robot.step(move)
+        outcome = self._robot.step(move)
         self._history[2].append(move)
         self._steps += 1
         goal, each, collision = self._rewards
-        reward = found + (goal if outcome == "reached-goal" else each)
+        reward = goal if outcome == "reached-goal" else each
         if outcome == "collided":
             reward += collision
         terminated = outcome == "reached-goal"

@@ -25,10 +25,10 @@ Recorder = Callable[[int, History, tuple[float, ...]], None]
 #: The maximum number of environments. A robot in physics takes some 100 kB.
 MOST_ENVS = 1 << 16
 
-COLLIDED, REACHED_GOAL, RESTS = 2, 4, 255
+COLLIDED, REACHED_GOAL, RESTS = 1, 3, 255
 #: The names of all bytes that stand for an outcome. An environment that rests has the first name, and its mask is false.
 OUTCOMES = np.full(256, "moved", object)
-OUTCOMES[:5] = ["moved", "found-reward", "collided", "stalled", "reached-goal"]
+OUTCOMES[:4] = ["moved", "collided", "stalled", "reached-goal"]
 
 
 class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
@@ -159,11 +159,11 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             raise gymnasium.error.ResetNeeded(f"the episodes of environments {np.flatnonzero(over).tolist()} are over: reset them")
         # Finished environments do not act in this step: they are reset.
         begins = self._drawn(np.flatnonzero(over))
-        codes, found, (percepts, facts) = self._robots.step(np.where(over, RESTS, actions).astype(np.uint8).tobytes(), begins)
+        codes, (percepts, facts) = self._robots.step(np.where(over, RESTS, actions).astype(np.uint8).tobytes(), begins)
         outcome = np.frombuffer(codes, np.uint8)
         acted = ~over
         self._steps = np.where(over, 0, self._steps + 1)
-        rewards = np.frombuffer(found) + self._rewards[outcome]
+        rewards = self._rewards[outcome]
         if self._recorder is not None:
             self._note(actions, rewards, acted)
         terminations = outcome == REACHED_GOAL

@@ -231,12 +231,7 @@ impl TrainReport {
         }
         let maze = &trial.plan().maze;
         if let Some(path) = trial.greedy_path() {
-            let paid = rewards_on(&path, maze);
-            write_row(out, "it takes", course(&path, paid, maze))?;
-            if paid > 0 && self.greedy_steps.is_some() {
-                let means = "means a shortest path, regardless of rewards on the way";
-                return Ok(write_row(out, "optimal", means)?);
-            }
+            write_row(out, "it takes", course(&path, maze))?;
         }
         if let Some((one, other)) = aliased_cells(trial) {
             let cells = format!("{one} and {other}; `world info` lists all");
@@ -288,28 +283,15 @@ fn aliased_cells(trial: &Trial) -> Option<(String, String)> {
     Some((named(&cells[0]), named(&cells[1])))
 }
 
-/// Counts the auxiliary rewards on a path.
-fn rewards_on(path: &[Cell], maze: &Maze) -> usize {
-    let pays = |&(step, cell): &(usize, &Cell)| {
-        maze.auxiliary_reward(*cell).is_some() && !path[..step].contains(cell)
-    };
-    path.iter().enumerate().filter(pays).count()
-}
-
 /// Describes where the greedy policy leads.
-fn course(path: &[Cell], paid: usize, maze: &Maze) -> String {
-    let paid = match paid {
-        0 => String::new(),
-        1 => ", by way of a reward".to_owned(),
-        several => format!(", by way of {several} rewards"),
-    };
+fn course(path: &[Cell], maze: &Maze) -> String {
     let (steps, end) = (path.len() - 1, path[path.len() - 1]);
     let Cell { col, row } = end;
     let s = if steps == 1 { "" } else { "s" };
     match () {
-        () if maze.is_goal(end) => format!("{steps} step{s} to the goal{paid}"),
-        () if path[..steps].contains(&end) => format!("{steps} steps{paid}, then goes in circles"),
-        () => format!("{steps} step{s}{paid}, then is stuck at ({col},{row})"),
+        () if maze.is_goal(end) => format!("{steps} step{s} to the goal"),
+        () if path[..steps].contains(&end) => format!("{steps} steps, then goes in circles"),
+        () => format!("{steps} step{s}, then is stuck at ({col},{row})"),
     }
 }
 

@@ -229,17 +229,6 @@ impl Description {
         }
         writeln!(out, "moves       {}", facts.moves)?;
         writeln!(out, "free cells  {}", facts.free_cells)?;
-        if let Some(auxiliary) = &facts.auxiliary {
-            let (cells, reward) = (places(&auxiliary.cells), auxiliary.reward);
-            writeln!(out, "rewards     {reward} in {cells}, once in an episode")?;
-            if !auxiliary.out_of_reach.is_empty() {
-                let cells = places(&auxiliary.out_of_reach);
-                writeln!(
-                    out,
-                    "            never collected: no episode reaches {cells}"
-                )?;
-            }
-        }
         for floor in &facts.floors {
             let (friction, cells) = (floor.friction, floor.cells);
             writeln!(out, "floor       friction {friction} in {cells} cells")?;

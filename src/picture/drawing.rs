@@ -20,7 +20,6 @@ const SLIPPERY: u32 = 0xe0f0fb;
 /// Pale, so that arrows far from the goal are visible on it.
 const START: u32 = 0xfdf0cf;
 const GOAL: u32 = 0x7fdca0;
-const REWARD: u32 = 0xe3cdf9;
 const PATH: u32 = 0x9cc3f5;
 /// The colour of all actions that are not best.
 const NONE: u32 = 0xb9c0cc;
@@ -162,13 +161,11 @@ impl Plane<'_> {
         shapes
     }
 
-    /// Returns the start, the goals and the auxiliary rewards, each with its colour and its letter.
+    /// Returns the start and the goals, each with its colour and its letter.
     fn marked(&self) -> impl Iterator<Item = (Cell, u32, &'static str)> {
         let start = self.maze.start().map(|cell| (cell, START, "S"));
         let goals = self.maze.goals().iter().map(|&cell| (cell, GOAL, "G"));
-        let paying = self.maze.rewarding_cells().iter();
-        let paying = paying.map(|&cell| (cell, REWARD, "*"));
-        start.into_iter().chain(goals).chain(paying)
+        start.into_iter().chain(goals)
     }
 
     /// Returns the letters of marked cells.

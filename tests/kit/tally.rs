@@ -69,7 +69,7 @@ impl Tally {
         let ends_in_goal = wanted.is_some_and(|cell| maze.is_goal(cell));
         let outcome = arena.act(action);
         let right = match outcome {
-            Outcome::Moved | Outcome::FoundReward { .. } => wanted.is_some() && !ends_in_goal,
+            Outcome::Moved => wanted.is_some() && !ends_in_goal,
             Outcome::ReachedGoal => ends_in_goal,
             Outcome::Collided { .. } => wanted.is_none(),
             Outcome::Stalled => false,

@@ -165,7 +165,7 @@ fn check_step(arena: &dyn Arena, outcome: Outcome, from: Cell, clock_ns: u64, st
     let view = arena.view();
     let is_goal = view.maze.is_goal(view.cell);
     let is_kept = match outcome {
-        Outcome::Moved | Outcome::FoundReward { .. } => view.cell != from && !is_goal,
+        Outcome::Moved => view.cell != from && !is_goal,
         Outcome::Collided { impulse_ns } => {
             view.cell == from
                 && impulse_ns.is_none_or(|impulse| impulse > 0.0)

@@ -5,11 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
-use xcscr::agent::Method;
-use xcscr::arena::ArenaKind;
-use xcscr::episode::{Observer, Step};
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Plan, Trial};
 use xcscr::world::{Cell, Facts, Maze, Moves, WorldError};
 
 use crate::kit::trial::maze;
@@ -76,32 +72,6 @@ fn what_a_file_leaves_out_has_its_default() {
     let found = (maze.name(), maze.cell_size_m(), maze.moves());
     assert_eq!(found, ("tiny", 1.0, Moves::Four));
     assert_eq!(maze.goals().len(), 2);
-}
-
-/// What methods made of auxiliary rewards.
-#[derive(Default)]
-struct Purse(Vec<f64>);
-
-impl Observer for Purse {
-    fn stepped(&mut self, step: &Step<'_>) {
-        if step.outcome.found() > 0.0 {
-            self.0.push(step.credit.short_term_reward);
-        }
-    }
-}
-
-#[test]
-fn every_method_is_paid_what_a_cell_pays_once_in_an_episode() {
-    for &method in Method::ALL {
-        let mut purse = Purse::default();
-        let maze = drawn(json!({ "reward": 100 }), &["#####", "#S*G#", "#####"]);
-        let plan = Plan::new(maze).method(method).episodes(5);
-        let mut trial = Trial::new(plan.arena(ArenaKind::Grid)).unwrap();
-        let _ = trial.run(&mut purse);
-        // A step costs 1, the cell pays 100, and the way to the goal leads through it.
-        let is_paid = purse.0.len() <= 5 && purse.0.iter().all(|&paid| paid == 99.0);
-        assert!(is_paid, "{method:?}: {:?}", purse.0);
-    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::agent::{Agent, Frozen, Knowledge, Method, Misfit, Setup, WithHistory}
 use xcs::bounds::{OutOfRange, within};
 use xcscr_robot::arena::{
     Arena, ArenaKind, GridArena, Localisation, NoisyPerceptArena, PhysicsArena, PhysicsError,
-    PhysicsParams, RewardingArena, SlippingArena, check_fit,
+    PhysicsParams, SlippingArena, check_fit,
 };
 use xcscr_robot::sensor::{History, Perception, Sensor};
 use xcscr_robot::world::Maze;
@@ -53,12 +53,8 @@ impl Config {
         Ok(self.decorated(arena, maze))
     }
 
-    /// Adds auxiliary rewards, slips and observation errors to an arena around a maze, as configured.
+    /// Adds slips and observation errors to an arena around a maze, as configured.
     pub(super) fn decorated(&self, arena: Box<dyn Arena>, maze: &Maze) -> Box<dyn Arena> {
-        let arena = match maze.rewarding_cells() {
-            [] => arena,
-            _ => Box::new(RewardingArena::new(arena)),
-        };
         let (slip, seed) = (self.settings.arena.slip, self.seed);
         let arena = match slip > 0.0 {
             true => Box::new(SlippingArena::new(arena, slip, seed)),

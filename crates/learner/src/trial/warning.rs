@@ -5,7 +5,7 @@ use std::fmt;
 use super::plan::{Config, Plan};
 use super::settings::{MOST_STEPS, PATHS_AN_EPISODE};
 use xcscr_robot::sensor::Sensor;
-use xcscr_robot::world::{Cell, Facts, Maze, Paths};
+use xcscr_robot::world::{Cell, Maze, Paths};
 
 /// The maximum number of groups of cells, and of cells per group, that a warning lists.
 const MOST_NAMED: usize = 3;
@@ -27,10 +27,6 @@ pub enum Warning {
         /// The cells, group by group.
         groups: Vec<Vec<Cell>>,
     },
-    /// The percept does not show which auxiliary rewards were collected.
-    Collected(Sensor),
-    /// Cells with rewards are unreachable in every episode.
-    OutOfReach(Vec<Cell>),
     /// A move takes longer than the time-out of actions.
     TimeOut {
         /// The duration of a move, in seconds.
@@ -55,16 +51,11 @@ impl Plan {
     pub fn warnings(&self) -> Vec<Warning> {
         let plan = self.clone().settled();
         let paths = Paths::with_slip(&plan.maze, plan.config.settings.arena.slip);
-        [
-            step_limit(&plan, &paths),
-            aliased_cells(&plan, &paths),
-            collected(&plan),
-            out_of_reach(&plan.maze),
-        ]
-        .into_iter()
-        .flatten()
-        .chain(self.robot_warnings())
-        .collect()
+        [step_limit(&plan, &paths), aliased_cells(&plan, &paths)]
+            .into_iter()
+            .flatten()
+            .chain(self.robot_warnings())
+            .collect()
     }
 
     /// Returns the warnings about the robot in cells of this size.
@@ -91,11 +82,6 @@ fn aliased_cells(plan: &Plan, paths: &Paths) -> Option<Warning> {
     (!groups.is_empty()).then_some(Warning::Aliased { sensor, groups })
 }
 
-fn collected(plan: &Plan) -> Option<Warning> {
-    let has_rewards = !plan.maze.rewarding_cells().is_empty();
-    has_rewards.then_some(Warning::Collected(plan.config.sensor))
-}
-
 fn time_out(config: &Config, maze: &Maze) -> Option<Warning> {
     let physics = config.robot()?;
     let (move_s, time_out_s) = (physics.move_time_s(maze.cell_size_m()), physics.time_out_s);
@@ -113,12 +99,6 @@ fn short_lidar(config: &Config, maze: &Maze) -> Option<Warning> {
     })
 }
 
-fn out_of_reach(maze: &Maze) -> Option<Warning> {
-    maze.rewarding_cells().first()?;
-    let cells = Facts::new(maze).auxiliary?.out_of_reach;
-    (!cells.is_empty()).then_some(Warning::OutOfReach(cells))
-}
-
 impl Warning {
     /// Returns a hint in words, if one is known.
     fn help(&self) -> Option<String> {
@@ -134,8 +114,6 @@ impl Warning {
                 };
                 Some(format!("`--sensor {}`", with_position.name()))
             }
-            Self::Collected(_) => None,
-            Self::OutOfReach(_) => Some("to open a path in `rows`".to_owned()),
             Self::TimeOut { move_s, .. } => {
                 let time_out_s = (3.0 * move_s).ceil();
                 Some(format!("`--set physics.time_out_s={time_out_s}`"))
@@ -162,18 +140,6 @@ impl fmt::Display for Warning {
                 sensor.name(),
                 listed(groups)
             ),
-            Self::Collected(sensor) => write!(
-                f,
-                "the sensor `{}` does not show which rewards were collected, so the policy cannot depend on it",
-                sensor.name()
-            ),
-            Self::OutOfReach(cells) => {
-                write!(
-                    f,
-                    "no episode can reach these cells with rewards: {}",
-                    named(cells)
-                )
-            }
             Self::TimeOut { move_s, time_out_s } => write!(
                 f,
                 "a move takes about {move_s:.1} s, but actions time out after {time_out_s} s"
@@ -303,23 +269,6 @@ mod tests {
         assert_eq!(said(5.0, &[]), [wanted]);
         assert_eq!(said(4.21, &[]), [""; 0], "the size that the warning names");
         assert_eq!(said(4.22, &[]).len(), 1, "control");
-    }
-
-    #[test]
-    fn an_unreachable_reward_is_named() {
-        let rows = ["#######", "#S.G#*#", "#######"];
-        let text = format!(r#"{{ "rows": {rows:?}, "reward": 5 }}"#);
-        let maze = Maze::from_json(text.as_bytes(), "paid.json").unwrap();
-        let said: Vec<String> = Plan::new(maze)
-            .warnings()
-            .iter()
-            .map(Warning::to_string)
-            .collect();
-        let hidden = "the sensor `lidar-position` does not show which rewards were collected, so the policy cannot \
-                      depend on it";
-        let unreachable =
-            "no episode can reach these cells with rewards: 5,1; try to open a path in `rows`";
-        assert_eq!(said, [hidden, unreachable]);
     }
 
     #[test]

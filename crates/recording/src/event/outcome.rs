@@ -31,6 +31,7 @@ pub struct Outcome {
     pub chosen_by: String,
     /// Condition of the rule that decided.
     pub rule: String,
+    // Earlier versions wrote `found-reward`, and the text of a schema is part of a recording's bytes.
     /// Outcome: moved, collided, stalled, reached-goal, found-reward.
     pub outcome: String,
     /// Share of the step limit that is left.
@@ -79,7 +80,6 @@ fn outcome(outcome: arena::Outcome) -> &'static str {
         arena::Outcome::Collided { .. } => "collided",
         arena::Outcome::Stalled => "stalled",
         arena::Outcome::ReachedGoal => "reached-goal",
-        arena::Outcome::FoundReward { .. } => "found-reward",
     }
 }
 

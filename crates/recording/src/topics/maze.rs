@@ -1,4 +1,4 @@
-//! `/scene/maze`: floor, slippery cells, walls, start, goals and auxiliary rewards.
+//! `/scene/maze`: floor, slippery cells, walls, start and goals.
 
 use foxglove::messages::{CubePrimitive, LinePrimitive, SceneEntity, SceneUpdate, TextPrimitive};
 use nalgebra::Point2;
@@ -15,7 +15,6 @@ const SLIPPERY: u32 = 0xcfe6f7;
 const WALL: u32 = 0x57657f;
 const START: u32 = 0xf4b740;
 const GOAL: u32 = 0x35c46a;
-const REWARD: u32 = 0xc79bf2;
 const INK: u32 = 0x1d2430;
 const NUMBER: u32 = 0xcfd8e8;
 /// Mazes with more columns or rows than this have no numbers on their border.
@@ -130,14 +129,12 @@ fn block(maze: &Maze, row: u16, columns: &[u16]) -> CubePrimitive {
     )
 }
 
-/// Creates the labelled tiles of the start, the goals and the auxiliary rewards.
+/// Creates the labelled tiles of the start and the goals.
 fn tiles(maze: &Maze, time_ns: u64) -> SceneEntity {
     let mut tiles = entity("tiles", GRID, time_ns);
     let start = maze.start().map(|cell| (cell, START, "START"));
     let goals = maze.goals().iter().map(|&cell| (cell, GOAL, "GOAL"));
-    let paying = maze.rewarding_cells().iter();
-    let paying = paying.map(|&cell| (cell, REWARD, "REWARD"));
-    for (cell, rgb, name) in start.into_iter().chain(goals).chain(paying) {
+    for (cell, rgb, name) in start.into_iter().chain(goals) {
         let (unit, at) = (maze.cell_size_m(), maze.centre_in_grid(cell));
         let size = vector(0.9375 * unit, 0.9375 * unit, 0.012 * unit);
         tiles

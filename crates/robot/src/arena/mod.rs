@@ -4,7 +4,6 @@
 //! what each fact is worth. Two arenas exist: in [`GridArena`] a move is a step from cell to cell,
 //! and in [`PhysicsArena`] a differential-drive robot drives from cell to cell.
 
-mod auxiliary;
 mod grid;
 mod kind;
 mod noisy_percepts;
@@ -14,7 +13,6 @@ mod slip;
 
 use nalgebra::{Isometry2, Point2, Vector2};
 
-pub use auxiliary::RewardingArena;
 pub use grid::GridArena;
 pub use kind::ArenaKind;
 pub use noisy_percepts::NoisyPerceptArena;
@@ -37,12 +35,6 @@ pub use xcscr_sensing::{Obstacles, Surroundings};
 pub enum Outcome {
     /// The robot is in the intended cell.
     Moved,
-    /// The robot is in the intended cell, which has an auxiliary reward, for the first time in this
-    /// episode.
-    FoundReward {
-        /// The auxiliary reward of the cell.
-        reward: f64,
-    },
     /// A wall blocked the way; the robot is back where it was.
     Collided {
         /// The impulse of the collision in newton-seconds; `None` in arenas without mass.
@@ -52,16 +44,6 @@ pub enum Outcome {
     Stalled,
     /// The robot is in a goal cell; the episode is over.
     ReachedGoal,
-}
-
-impl Outcome {
-    /// Returns the auxiliary reward, or 0 if there is none.
-    pub fn found(self) -> f64 {
-        match self {
-            Self::FoundReward { reward } => reward,
-            Self::Moved | Self::Collided { .. } | Self::Stalled | Self::ReachedGoal => 0.0,
-        }
-    }
 }
 
 /// The robot's state at one moment.

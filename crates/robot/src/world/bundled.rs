@@ -16,17 +16,9 @@ macro_rules! classic {
 }
 
 /// The bundled worlds: name and text.
-const WORLDS: [(&str, &str); 37] = [
+const WORLDS: [(&str, &str); 35] = [
     ("maze4", include_str!("../../../../worlds/maze4.json")),
     ("maze5", include_str!("../../../../worlds/maze5.json")),
-    (
-        "maze5-helped",
-        include_str!("../../../../worlds/maze5-helped.json"),
-    ),
-    (
-        "maze5-lured",
-        include_str!("../../../../worlds/maze5-lured.json"),
-    ),
     (
         "maze5-wet",
         include_str!("../../../../worlds/maze5-wet.json"),

@@ -12,7 +12,7 @@ use super::json::{refuse_other_kinds, syntax_fault, text_after_end};
 use super::source::{Source, quoted};
 
 /// The keys of a world file.
-const KEYS: [&str; 9] = [
+const KEYS: [&str; 8] = [
     "name",
     "cell_size_m",
     "moves",
@@ -20,7 +20,6 @@ const KEYS: [&str; 9] = [
     "origin",
     "rows",
     "floor",
-    "reward",
     "solid",
 ];
 

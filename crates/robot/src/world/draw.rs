@@ -32,7 +32,6 @@ fn letter(maze: &Maze, cell: Cell) -> char {
     match () {
         () if maze.is_goal(cell) => 'G',
         () if maze.start() == Some(cell) => 'S',
-        () if maze.auxiliary_reward(cell).is_some() => '*',
         () if maze.friction(cell).is_some() => '~',
         () if maze.wraps() => '·',
         () => ' ',

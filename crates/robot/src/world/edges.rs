@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::direction::Direction;
-use super::maze::{Auxiliary, Cell, Maze};
+use super::maze::{Cell, Maze};
 use super::solid::Solid;
 
 impl Maze {
@@ -103,10 +103,6 @@ impl Maze {
             }
         }
         self.walls = walls.into();
-        let paying = self.rewarding_cells().iter().copied();
-        let cells: Vec<Cell> = paying.filter(|&cell| !self.is_wall(cell)).collect();
-        let auxiliary = self.auxiliary.take().filter(|_| !cells.is_empty());
-        self.auxiliary = auxiliary.map(|auxiliary| Auxiliary { cells, ..auxiliary });
         self.find_open_moves();
     }
 }

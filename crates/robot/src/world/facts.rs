@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use super::auxiliary::out_of_reach;
 use super::maze::{Cell, Maze};
 use super::origin::Origin;
 use super::paths::Paths;
@@ -34,9 +33,6 @@ pub struct Facts {
     /// The floors that differ from the usual one, most slippery first; absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub floors: Vec<FloorFacts>,
-    /// The cells with auxiliary rewards; absent if there are none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub auxiliary: Option<AuxiliaryFacts>,
     /// The length of a shortest path from the fixed start, in steps.
     pub optimal_steps: Option<u32>,
     /// The number of different shortest paths from the fixed start.
@@ -54,18 +50,6 @@ pub struct FloorFacts {
     pub friction: f64,
     /// The number of cells with this friction.
     pub cells: usize,
-}
-
-/// Cells with auxiliary rewards.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct AuxiliaryFacts {
-    /// The cells in reading order.
-    pub cells: Vec<Cell>,
-    /// The reward of each cell, given once per episode.
-    pub reward: f64,
-    /// The cells that no episode can enter; absent if there are none.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub out_of_reach: Vec<Cell>,
 }
 
 impl Facts {
@@ -87,24 +71,12 @@ impl Facts {
             start: maze.start(),
             goals: maze.goals().to_vec(),
             floors: floors(maze),
-            auxiliary: auxiliary(maze),
             optimal_steps: maze.start().and_then(steps),
             optimal_paths: maze.start().map(|start| paths.count_from(maze, start)),
             mean_optimal_steps: sum / lengths().count() as f64,
             greatest_optimal_steps: lengths().max().unwrap_or(0),
         }
     }
-}
-
-fn auxiliary(maze: &Maze) -> Option<AuxiliaryFacts> {
-    let cells = maze.rewarding_cells().to_vec();
-    let reward = maze.auxiliary_reward(*cells.first()?)?;
-    let out_of_reach = out_of_reach(maze);
-    Some(AuxiliaryFacts {
-        cells,
-        reward,
-        out_of_reach,
-    })
 }
 
 /// Counts the cells of each floor.

@@ -4,7 +4,6 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::auxiliary;
 use super::checks::{check_border, check_reachable, check_start_and_goal};
 use super::direction::Moves;
 use super::document::Document;
@@ -92,9 +91,6 @@ impl Maze {
         self.start
             .iter()
             .for_each(|&start| letters[self.index(start)] = b'S');
-        self.rewarding_cells()
-            .iter()
-            .for_each(|&cell| letters[self.index(cell)] = b'*');
         let rows = letters
             .chunks(usize::from(self.width))
             .map(|row| String::from_utf8_lossy(row).into_owned());
@@ -105,16 +101,13 @@ impl Maze {
             true => String::new(),
             false => format!(",\n  \"origin\": {:?}", <[f64; 3]>::from(self.origin)),
         };
-        let reward = self.auxiliary.as_ref().map_or(String::new(), |auxiliary| {
-            format!(",\n  \"reward\": {:?}", auxiliary.reward)
-        });
         let solid = match self.is_from_map() {
             true => format!(",\n  \"solid\": {}", self.solid.to_json()),
             false => String::new(),
         };
         format!(
             "{{\n  \"name\": \"{}\",\n  \"cell_size_m\": {:?},\n  \"moves\": {moves},\n  \
-             \"wrap\": {}{origin},\n  \"rows\": {}{floor}{reward}{solid}\n}}\n",
+             \"wrap\": {}{origin},\n  \"rows\": {}{floor}{solid}\n}}\n",
             self.name,
             self.cell_size_m,
             self.wrap,
@@ -174,7 +167,6 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
         start: rows.starts.first().copied(),
         goals: std::mem::take(&mut rows.goals),
         floor: None,
-        auxiliary: auxiliary::read(source, document.value("reward"), &rows)?,
         cache: Default::default(),
     };
     if let Some(raw) = document.value("floor") {

@@ -29,14 +29,6 @@ pub struct Cell {
 /// the whole floor is usual.
 pub(super) type Floor = Option<Arc<[u8]>>;
 
-/// Cells with an auxiliary reward, and the reward of each of them.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Auxiliary {
-    /// In reading order; never empty.
-    pub cells: Vec<Cell>,
-    pub reward: f64,
-}
-
 /// A checked maze: its border is closed (or joined), and every start can reach a goal.
 ///
 /// Public methods take and return metres of the map frame. For a world made from a ROS map this is
@@ -64,7 +56,6 @@ pub struct Maze {
     /// In reading order; never empty.
     pub(super) goals: Vec<Cell>,
     pub(super) floor: Floor,
-    pub(super) auxiliary: Option<Auxiliary>,
     pub(super) cache: Cache,
 }
 
@@ -352,19 +343,5 @@ impl Maze {
             .collect();
         let rows = letters.chunks(usize::from(self.width));
         Some(rows.map(|row| row.iter().collect()).collect())
-    }
-
-    /// Returns the auxiliary reward that the robot gets when it first enters the cell in an
-    /// episode; `None` for most cells.
-    pub fn auxiliary_reward(&self, cell: Cell) -> Option<f64> {
-        let auxiliary = self.auxiliary.as_ref()?;
-        let place = |cell: &Cell| (cell.row, cell.col);
-        let found = auxiliary.cells.binary_search_by_key(&place(&cell), place);
-        found.is_ok().then_some(auxiliary.reward)
-    }
-
-    /// Returns the cells with auxiliary rewards, in reading order.
-    pub fn rewarding_cells(&self) -> &[Cell] {
-        self.auxiliary.as_ref().map_or(&[], |it| &it.cells)
     }
 }

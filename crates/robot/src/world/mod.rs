@@ -1,7 +1,6 @@
 //! World files, the checked [`Maze`], and shortest paths.
 
 mod around;
-mod auxiliary;
 mod bundled;
 mod cache;
 mod checks;

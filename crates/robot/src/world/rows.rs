@@ -20,8 +20,6 @@ pub struct Rows<'a> {
     pub walls: Vec<bool>,
     pub starts: Vec<Cell>,
     pub goals: Vec<Cell>,
-    /// The cells with an auxiliary reward.
-    pub rewarding: Vec<Cell>,
 }
 
 impl<'a> Rows<'a> {
@@ -43,7 +41,6 @@ impl<'a> Rows<'a> {
             walls: Vec::new(),
             starts: Vec::new(),
             goals: Vec::new(),
-            rewarding: Vec::new(),
         };
         elements.first.iter().try_for_each(|row| rows.add(row))?;
         if rows.rows.is_empty() {
@@ -86,7 +83,7 @@ impl<'a> Rows<'a> {
     }
 
     fn check_letters(&self, letters: &str) -> Result<(), WorldError> {
-        let strange = |&(_, letter): &(usize, char)| !matches!(letter, '#' | '.' | 'S' | 'G' | '*');
+        let strange = |&(_, letter): &(usize, char)| !matches!(letter, '#' | '.' | 'S' | 'G');
         let Some((at, letter)) = letters.char_indices().find(strange) else {
             return Ok(());
         };
@@ -95,14 +92,14 @@ impl<'a> Rows<'a> {
         Err(self.source.fault(
             self.source.start_of(letters) + at,
             format!("row {row} has the unknown letter {letter}"),
-            "the letters are `#` wall, `.` free, `S` start, `G` goal, `*` reward",
+            "the letters are `#` wall, `.` free, `S` start, `G` goal",
         ))
     }
 
     fn check_width(&self, raw: &str, letters: &str) -> Result<(), WorldError> {
         let (number, found) = (self.rows.len() + 1, letters.len());
         if found == 0 {
-            let help = "a row is a string of `#`, `.`, `S`, `G` and `*`; remove the empty one";
+            let help = "a row is a string of `#`, `.`, `S` and `G`; remove the empty one";
             let title = format!("row {number} is empty");
             return Err(self.source.fault(self.source.start_of(raw), title, help));
         }
@@ -131,7 +128,6 @@ impl<'a> Rows<'a> {
             match letter {
                 b'S' => self.starts.push(cell),
                 b'G' => self.goals.push(cell),
-                b'*' => self.rewarding.push(cell),
                 _ => {}
             }
         }

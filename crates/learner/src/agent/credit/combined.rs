@@ -39,8 +39,6 @@ pub struct Combined {
     /// The experts that choose what is replayed, in `xcscr-coevolved`.
     experts: Option<Experts>,
     step_threshold: StepThreshold,
-    /// The sum of the auxiliary rewards of this episode, shared out with r_l at its end.
-    found: f64,
 }
 
 impl Combined {
@@ -57,7 +55,6 @@ impl Combined {
             params,
             stack: RewardStack::default(),
             shortest: usize::MAX,
-            found: 0.0,
         }
     }
 
@@ -112,7 +109,6 @@ impl Agent for Combined {
         let mut credit = step_credit(&self.xcs, &self.match_set, &set, reward);
         let beta = self.learning_rate.after_collision();
         credit.filtered = self.filter.apply(&mut self.xcs, &set, reward, beta);
-        self.found += outcome.found();
         self.stack
             .push(&mut self.xcs, set, self.params.stack_evolution);
         credit
@@ -125,10 +121,8 @@ impl Agent for Combined {
         }
         let policy = self.stack.policy();
         let long_term_reward = self.params.long_term(reached_goal, steps);
-        let found = std::mem::take(&mut self.found);
         let learning_rate = self.learning_rate.after(reached_goal);
-        let reward = long_term_reward + found;
-        let shares = Shares::new(reward, steps, self.shortest, &self.params);
+        let shares = Shares::new(long_term_reward, steps, self.shortest, &self.params);
         let evolution = self.params.stack_evolution;
         self.stack
             .unwind(&mut self.xcs, &shares, learning_rate, evolution);
@@ -165,34 +159,5 @@ impl Agent for Combined {
 
     fn rule_count(&self) -> usize {
         self.xcs.population().len()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Returns the value of an action after an episode of one step, which reaches the goal or has
-    /// this outcome.
-    fn learned(outcome: Outcome) -> f64 {
-        let [evolution, imprinting] = [0_u64, 1].map(|number| Stream::new(1, number));
-        let xcs = Xcs::new(xcs::Params::default(), 2, evolution);
-        let mut method = Combined::new(xcs, Params::default(), imprinting);
-        let (percept, action) = ("0".parse().unwrap(), Action::new(0).unwrap());
-        method.observe(&percept);
-        method.update(action, outcome, None);
-        method.end_episode(outcome == Outcome::ReachedGoal);
-        method.values(&percept).get(action).unwrap()
-    }
-
-    #[test]
-    fn an_auxiliary_reward_counts_at_the_end_of_an_episode_that_fails_too() {
-        let [nothing, found, goal] = [
-            Outcome::Moved,
-            Outcome::FoundReward { reward: 500.0 },
-            Outcome::ReachedGoal,
-        ]
-        .map(learned);
-        assert!(nothing < found && found < goal, "{nothing} {found} {goal}");
     }
 }

@@ -152,11 +152,10 @@ impl Params {
         }
     }
 
-    /// Returns r_s: the immediate reward of an outcome, including any auxiliary reward.
+    /// Returns r_s: the immediate reward of an outcome.
     pub fn short_term(&self, outcome: Outcome) -> f64 {
         match outcome {
             Outcome::Collided { .. } => self.collision,
-            Outcome::FoundReward { reward } => self.step + reward,
             Outcome::Moved | Outcome::Stalled | Outcome::ReachedGoal => self.step,
         }
     }
@@ -191,8 +190,6 @@ mod tests {
             -50.0
         );
         assert_eq!(params.short_term(Outcome::Moved), -1.0);
-        let found = Outcome::FoundReward { reward: 7.0 };
-        assert_eq!(params.short_term(found), 6.0);
     }
 
     #[test]

@@ -86,7 +86,7 @@ impl Agent for Standard {
         let greatest = self.greatest;
         let paid = match self.params.xcs_payment {
             XcsPayment::All => reward,
-            XcsPayment::Final => outcome.found(),
+            XcsPayment::Final => 0.0,
         };
         self.steps += 1;
         let waiting = Waiting {

@@ -73,7 +73,6 @@ impl Field {
             start: Some(start),
             goals: vec![goal],
             floor: None,
-            auxiliary: None,
             cache: Default::default(),
         }
     }
