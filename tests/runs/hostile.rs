@@ -87,6 +87,10 @@ fn mutants_of_unfinished_runs() {
     let resumes = || Session::resume(RunFolder::resume(&desk.path("run")).unwrap());
     feed(&[fs::read(&path).unwrap()], ON_DISK, |bytes| {
         replace(&path, bytes);
+        // A resumed run writes its plan again, and refuses another one.
+        for name in ["config.json", "world.json"] {
+            let _ = fs::remove_file(desk.path("run").join(name));
+        }
         let resumed = resumes();
         // What is refused must also say why.
         resumed

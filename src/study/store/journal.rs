@@ -149,22 +149,35 @@ fn damaged_line(number: u64) -> String {
 }
 
 fn header(plan: &str, smaller: Option<&str>) -> String {
-    let smaller = smaller.map_or(String::new(), |smaller| format!("{LARGER_THAN}{smaller}"));
-    format!("{}{plan}{smaller}\n", start_of_header())
+    let larger = |smaller: &str| {
+        let plans = format!("{plan}{LARGER_THAN}{smaller}");
+        format!("{plans} {}", sum(&plans))
+    };
+    let plans = smaller.map_or(plan.to_owned(), larger);
+    format!("{}{plans}\n", start_of_header())
 }
 
 fn start_of_header() -> String {
     format!("{MAGIC} {FORMAT}, plan ")
 }
 
-/// Returns the plan of a journal with this first line, and the plan that it adds trials to.
+/// Returns the plan of a journal with this first line, and the plan that it adds trials to. A checksum protects
+/// both, because the journal of an unknown larger plan is ignored.
 fn plans_in(header: &[u8]) -> Option<(&str, Option<&str>)> {
     let line = std::str::from_utf8(header).ok()?.strip_suffix('\n')?;
-    let plans = line.strip_prefix(&start_of_header())?;
-    Some(match plans.split_once(LARGER_THAN) {
-        Some((plan, smaller)) => (plan, Some(smaller)),
-        None => (plans, None),
-    })
+    let words = line.strip_prefix(&start_of_header())?;
+    if !words.contains(LARGER_THAN) {
+        return Some((words, None));
+    }
+    let (plans, found) = words.rsplit_once(' ')?;
+    let (plan, smaller) = plans.split_once(LARGER_THAN)?;
+    (sum(plans) == found).then_some((plan, Some(smaller)))
+}
+
+/// Returns the checksum of a text. It is compared as text: a number has several spellings, and a flipped bit may
+/// turn one into another.
+fn sum(text: &str) -> String {
+    format!("{:08x}", crc32fast::hash(text.as_bytes()))
 }
 
 /// Returns true for a first line without an end.
@@ -190,14 +203,13 @@ fn foreign(bytes: &[u8]) -> String {
 
 fn line(record: &TrialRecord) -> String {
     let json = serde_json::to_string(record).expect("plain data becomes JSON");
-    format!("{:08x} {json}\n", crc32fast::hash(json.as_bytes()))
+    format!("{} {json}\n", sum(&json))
 }
 
 fn parse(line: &[u8]) -> Option<TrialRecord> {
     let line = line.strip_suffix(b"\n")?;
-    let (sum, json) = std::str::from_utf8(line).ok()?.split_once(' ')?;
-    // Compare as text: a number has several spellings, and a flipped bit may turn one into another.
-    let intact = sum == format!("{:08x}", crc32fast::hash(json.as_bytes()));
+    let (found, json) = std::str::from_utf8(line).ok()?.split_once(' ')?;
+    let intact = found == sum(json);
     intact.then(|| serde_json::from_str(json).ok()).flatten()
 }
 
