@@ -121,7 +121,7 @@ fn what_has_no_rules_or_no_percept_is_refused() {
         ("rules xcs --cell 0,0", 2, "no free cell 0,0"),
         ("rules plus --why 0,0", 2, "there is no free cell 0,0"),
         ("rules plus --why 6,6", 2, "6,6 is a goal"),
-        ("rules plus --format json --csv", 2, "--format"),
+        ("rules plus --json --csv", 2, "--csv"),
     ] {
         refused(words, code, message);
     }

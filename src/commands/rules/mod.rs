@@ -4,7 +4,6 @@ mod formats;
 mod listing;
 mod why;
 
-use clap::ValueEnum;
 use xcscr::ErrorKind;
 use xcscr::agent::Knowledge;
 use xcscr::trial::{Compacted, Plan};
@@ -27,7 +26,7 @@ pub struct RulesArgs {
     cell: Option<Cell>,
     /// Explain the choice in this cell: the rules that match, the changes of the percept that
     /// would change the choice, and the episodes that shaped the strongest rule.
-    #[arg(long, value_name = "COL,ROW", value_parser = cell, conflicts_with_all = ["cell", "all", "format", "json", "csv"])]
+    #[arg(long, value_name = "COL,ROW", value_parser = cell, conflicts_with_all = ["cell", "all", "json", "csv"])]
     why: Option<Cell>,
     /// Sort the rules by this column: largest first, except error and action.
     #[arg(long, value_name = "BY", default_value = "covers")]
@@ -35,26 +34,12 @@ pub struct RulesArgs {
     /// Print all rules of the population, not only the fewest that keep all decisions.
     #[arg(long)]
     all: bool,
-    /// Print the rules in this format.
-    #[arg(long, value_name = "FORMAT", default_value = "text")]
-    format: Format,
-    /// Same as `--format json`.
-    #[arg(long, conflicts_with_all = ["format", "csv"])]
+    /// Print a rules.json file, which `evaluate` and `train --init-rules` read.
+    #[arg(long, conflicts_with = "csv")]
     json: bool,
-    /// Same as `--format csv`.
-    #[arg(long, conflicts_with = "format")]
+    /// Print a CSV table.
+    #[arg(long)]
     csv: bool,
-}
-
-/// The output format of rules.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Format {
-    /// Text for a terminal.
-    Text,
-    /// A rules.json file, which `evaluate` and `train --init-rules` read.
-    Json,
-    /// A CSV table.
-    Csv,
 }
 
 fn cell(text: &str) -> Result<Cell, String> {
@@ -97,10 +82,10 @@ pub fn run(args: &RulesArgs, out: &mut Results) -> Result<(), Failure> {
         compacted: compacted.as_ref(),
         here,
     };
-    match args.format() {
-        Format::Text => formats::text(&shown, out),
-        Format::Json => formats::json(&shown, out),
-        Format::Csv => formats::csv(shown.rows, out),
+    match (args.json, args.csv) {
+        (true, _) => formats::json(&shown, out),
+        (_, true) => formats::csv(shown.rows, out),
+        _ => formats::text(&shown, out),
     }
 }
 
@@ -112,16 +97,6 @@ struct Shown<'a> {
     /// The percept that the rules must match, if any.
     here: Option<Percept>,
     rows: Vec<listing::Row>,
-}
-
-impl RulesArgs {
-    fn format(&self) -> Format {
-        match (self.json, self.csv) {
-            (true, _) => Format::Json,
-            (_, true) => Format::Csv,
-            _ => self.format,
-        }
-    }
 }
 
 /// Loads rules that fit the world of the plan.
