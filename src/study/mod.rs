@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `protocol` | study files, and the protocol that they are frozen into |
 //! | `store` | the folder of a study: the plan, and journals of finished trials |
-//! | `runner`, `cluster` | running trials: on threads, in tasks on many machines |
+//! | `runner`, `tasks` | running trials: on threads, in tasks on many machines |
 //! | `custom` | custom agents in studies |
 //! | `statistics` | tests and intervals, independent of mazes and learners |
 //! | `analysis`, `episodes` | summaries of arms, learning curves, and tables for other programs |
@@ -12,7 +12,6 @@
 //! | `robustness` | a policy under conditions that it was not trained for |
 
 mod analysis;
-mod cluster;
 mod episodes;
 mod error;
 mod custom;
@@ -22,11 +21,12 @@ mod robustness;
 mod runner;
 mod statistics;
 mod store;
+mod tasks;
 
-pub use cluster::{TaskProgress, TaskState};
 pub use custom::Study;
 pub use protocol::{Arm, Overrides, Protocol, StudyFile, StudyKey, Variant};
 pub use report::Report;
 pub use robustness::{ConditionResult, LeftOut, Robustness};
 pub use runner::StudyWatcher;
 pub use store::{Figures, PlannedStudy, StudyFolder, TrialRecord};
+pub use tasks::{TaskProgress, TaskState};

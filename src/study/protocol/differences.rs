@@ -131,7 +131,7 @@ impl Protocol {
 }
 
 /// Returns each item once, in the order of first occurrence.
-fn distinct(items: impl Iterator<Item = String>) -> Vec<String> {
+pub fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
     let mut list = Vec::new();
     for item in items {
         if !list.contains(&item) {

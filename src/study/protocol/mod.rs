@@ -16,6 +16,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::value::RawValue;
 
 use agents::{AgentArms, is_plain_name};
+pub(super) use differences::distinct;
 pub(super) use file::NOTHING;
 pub use file::StudyFile;
 pub use keys::StudyKey;

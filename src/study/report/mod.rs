@@ -180,14 +180,3 @@ impl Report {
         limits
     }
 }
-
-/// Returns each item once, in the order of first occurrence.
-fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
-    let mut list = Vec::new();
-    for item in items {
-        if !list.contains(&item) {
-            list.push(item);
-        }
-    }
-    list
-}

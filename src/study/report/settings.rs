@@ -4,8 +4,7 @@ use std::collections::BTreeSet;
 
 use toml::{Table, Value};
 
-use super::distinct;
-use crate::study::protocol::{Arm, Protocol};
+use crate::study::protocol::{Arm, Protocol, distinct};
 use crate::trial::{FROM_MAZE, STEP_THRESHOLD, Settings, flatten};
 
 /// Describes the settings that differ from the defaults, and where they differ, in sentences.
