@@ -52,19 +52,21 @@ def bootstrap(statistic, *methods):
 
 
 def read(path, score):
-    """The scores of each method and variant, in each world."""
-    methods = {}
+    """The scores of each method and variant in the worlds that all share, these worlds, and the trials without a score."""
+    methods, missing = {}, {}
     with open(path, newline="") as file:
         for row in csv.DictReader(file):
             world = " ".join(row[key] for key in ("world", "arena", "sensor"))
-            own = methods.setdefault(f"{row['method']} {row['variant']}".strip(), {})
-            scores = own.setdefault(world, [])
+            name = f"{row['method']} {row['variant']}".strip()
+            scores = methods.setdefault(name, {}).setdefault(world, [])
             if not row["error"] and (score != "path" or row["greedy_score"]):
                 scores.append(SCORES[score](row))
+            else:
+                missing[name] = missing.get(name, 0) + 1
     if not methods:
         raise SystemExit(f"{path} has no trials")
     shared = [world for world in next(iter(methods.values())) if all(own.get(world) for own in methods.values())]
-    return {name: [own[world] for world in shared] for name, own in methods.items()}, shared
+    return {name: [own[world] for world in shared] for name, own in methods.items()}, shared, missing
 
 
 def check():
@@ -86,12 +88,13 @@ def main():
     arguments.add_argument("--score", choices=SCORES, default="path")
     arguments.add_argument("--reference", help="the method to compare with the others [default: the first]")
     options = arguments.parse_args()
-    methods, worlds = read(options.trials, options.score)
+    methods, worlds, missing = read(options.trials, options.score)
     reference = options.reference or next(iter(methods))
     if reference not in methods or not worlds:
         arguments.error(f"give a reference of {', '.join(methods)}, and a study with scores in a world that all of them share")
     print(f"score {options.score}, worlds: {', '.join(worlds)}")
-    print("trials: " + ", ".join(f"{name} {sum(map(len, own))}" for name, own in methods.items()) + "; failed trials are left out")
+    counts = (f"{name} {sum(map(len, own))} ({missing.get(name, 0)} without a score left out)" for name, own in methods.items())
+    print("trials: " + ", ".join(counts))
     print("method: IQM [95 % interval]; share of trials with a score of at least " + ", ".join(map(str, THRESHOLDS)))
     for name, own in methods.items():
         value, low, high = bootstrap(iqm, own)
