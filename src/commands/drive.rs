@@ -53,7 +53,7 @@ pub struct DriveArgs {
     /// Publish TwistStamped on cmd_vel instead of Twist.
     #[arg(long)]
     stamped: bool,
-    /// Decide and record, but publish nothing on cmd_vel.
+    /// Decide and record, but publish no command and no transform. Other nodes may drive the robot.
     #[arg(long)]
     dry_run: bool,
     /// The file for the recording [default: the name of the run with `-drive.mcap` appended].
@@ -98,7 +98,7 @@ pub fn run(args: &DriveArgs, out: &mut Results) -> Result<(), Failure> {
         return repeat(Driver::new(setup), bag, out);
     }
     let options = DriverOptions {
-        node: args.node.options(),
+        node: args.node.options()?,
         sim_time: args.sim_time,
         stamped: args.stamped,
         dry_run: args.dry_run,

@@ -1,6 +1,9 @@
 //! Arguments of the commands that are ROS 2 nodes.
 
+use xcscr::ErrorKind;
 use xcscr::drive::NodeOptions;
+
+use super::failure::Failure;
 
 /// The namespace and domain of a node.
 #[derive(Debug, clap::Args)]
@@ -14,14 +17,57 @@ pub struct NodeArgs {
 }
 
 impl NodeArgs {
-    /// Returns the options of the node.
-    pub fn options(&self) -> NodeOptions {
-        let of_environment = || std::env::var("ROS_DOMAIN_ID").ok()?.parse().ok();
+    /// Returns the options of the node, by the arguments and the environment variables of ROS 2.
+    pub fn options(&self) -> Result<NodeOptions, Failure> {
+        let variable = |name: &str| std::env::var(name).ok();
         let namespace = self.namespace.trim_matches('/');
-        NodeOptions {
+        Ok(NodeOptions {
             namespace: format!("/{namespace}"),
-            domain: self.domain.or_else(of_environment).unwrap_or(0),
-        }
+            domain: match self.domain {
+                Some(domain) => domain,
+                None => domain(&variable)?,
+            },
+            localhost_only: is_local(&variable)?,
+        })
+    }
+}
+
+/// The value of an environment variable.
+type Variable<'a> = &'a dyn Fn(&str) -> Option<String>;
+
+fn refusal(name: &str, value: &str, must: &str) -> Failure {
+    let message = format!("{name} is `{value}`, but {must}");
+    Failure::new(ErrorKind::Usage, message)
+}
+
+/// Returns the domain of `ROS_DOMAIN_ID`.
+fn domain(variable: Variable<'_>) -> Result<u16, Failure> {
+    let name = "ROS_DOMAIN_ID";
+    let Some(value) = variable(name).filter(|value| !value.is_empty()) else {
+        return Ok(0);
+    };
+    let domain = value.parse().ok().filter(|domain| *domain <= 232);
+    domain.ok_or_else(|| refusal(name, &value, "must be a number from 0 to 232"))
+}
+
+/// Returns true if the environment allows nodes of this machine only.
+fn is_local(variable: Variable<'_>) -> Result<bool, Failure> {
+    let name = "ROS_DISCOVERY_SERVER";
+    if let Some(value) = variable(name).filter(|value| !value.is_empty()) {
+        let must = "xcscr has no discovery server: unset it in all nodes";
+        return Err(refusal(name, &value, must));
+    }
+    let name = "ROS_LOCALHOST_ONLY";
+    let is_only = match variable(name).as_deref() {
+        None | Some("" | "0") => false,
+        Some("1") => true,
+        Some(value) => return Err(refusal(name, value, "must be 0 or 1")),
+    };
+    let name = "ROS_AUTOMATIC_DISCOVERY_RANGE";
+    match variable(name).as_deref() {
+        None | Some("" | "SUBNET" | "SYSTEM_DEFAULT") => Ok(is_only),
+        Some("LOCALHOST") => Ok(true),
+        Some(value) => Err(refusal(name, value, "must be SUBNET or LOCALHOST")),
     }
 }
 
@@ -33,7 +79,38 @@ pub fn pose(text: &str) -> Result<[f64; 3], String> {
 
 /// Returns the failure of a build without ROS 2.
 #[cfg(not(feature = "ros2"))]
-pub fn missing() -> super::failure::Failure {
+pub fn missing() -> Failure {
     let message = "this build has no ROS 2: build it with `cargo build --features ros2`";
-    super::failure::Failure::new(xcscr::ErrorKind::Usage, message)
+    Failure::new(ErrorKind::Usage, message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the domain and whether the node is local, for one variable.
+    fn options(name: &str, value: &str) -> Option<(u16, bool)> {
+        let variable = |asked: &str| (asked == name).then(|| value.to_owned());
+        Some((domain(&variable).ok()?, is_local(&variable).ok()?))
+    }
+
+    #[test]
+    fn environment_variables_of_ros_are_obeyed_or_refused() {
+        let domain = "ROS_DOMAIN_ID";
+        assert_eq!(options(domain, "42"), Some((42, false)));
+        for value in ["233", "-1", "1.0", "domain", "99999999999"] {
+            assert_eq!(options(domain, value), None, "{value}");
+        }
+        let only = "ROS_LOCALHOST_ONLY";
+        assert_eq!(options(only, "1"), Some((0, true)));
+        assert_eq!(options(only, "0"), Some((0, false)), "control");
+        assert_eq!(options(only, "yes"), None);
+        let range = "ROS_AUTOMATIC_DISCOVERY_RANGE";
+        assert_eq!(options(range, "LOCALHOST"), Some((0, true)));
+        assert_eq!(options(range, "SUBNET"), Some((0, false)), "control");
+        assert_eq!(options(range, "OFF"), None);
+        let server = "ROS_DISCOVERY_SERVER";
+        assert_eq!(options(server, "10.0.0.1:11811"), None);
+        assert_eq!(options(server, ""), Some((0, false)), "control");
+    }
 }

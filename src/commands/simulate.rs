@@ -58,7 +58,7 @@ pub fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let robot = SimulatedRobot::new(maze.clone(), &settings.physics, args.seed, args.start);
     let mut robot = robot.map_err(|error| Failure::new(ErrorKind::BadData, error.to_string()))?;
     let options = SimulateOptions {
-        node: args.node.options(),
+        node: args.node.options()?,
         stamped: args.stamped,
         realtime_factor: args.realtime_factor,
         steps: args

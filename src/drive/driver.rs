@@ -6,7 +6,7 @@ use nalgebra::{Isometry2, Matrix3};
 use xcscr_sensing::Readings as StepOfSensors;
 
 use super::fault::{Fault, Mislocalised};
-use super::localisation::{self, Localisation};
+use super::localisation::Localisation;
 use super::obstacle::{Braking, Obstacles};
 use super::readings::Readings;
 use super::setup::DriveSetup;
@@ -118,7 +118,7 @@ impl Driver {
     pub fn new(setup: DriveSetup) -> Self {
         let (physics, maze) = (&setup.physics, &setup.maze);
         Self {
-            watch: Watch::new(&physics.lidar, setup.frames.clone()),
+            watch: Watch::new(physics, setup.frames.clone()),
             timeline: Timeline::new(physics.wheel_base_m, setup.laser_in_base),
             pilot: Pilot::new(physics, maze),
             localisation: Localisation::new(physics.lidar.beams),
@@ -223,7 +223,8 @@ impl Driver {
             let turn = self
                 .localisation
                 .step(maze, &pose, &moved, &readings.beams, range_m);
-            self.note(turn.or_else(|| localisation::check(maze, &pose, &covariance)));
+            let now = self.localisation.check(maze, &pose, &covariance);
+            self.note(turn.or(now));
         }
     }
 
@@ -327,11 +328,26 @@ impl Driver {
         }
     }
 
-    /// Returns the speeds of the current manoeuvre; rest once it is over.
+    /// Returns the speeds of the current manoeuvre; rest once it is over. In front of an obstacle the
+    /// robot drives back, and rests if there is one behind it, too.
     fn drive(&mut self, pose: Isometry2<f64>, speeds: Speeds, time_ns: u64) -> Speeds {
-        if let Some(direction) = self.pilot.travel_direction(pose)
-            && let Some((_, in_odom, _)) = self.timeline.latest()
-        {
+        let is_blocked = self.is_blocked(pose, speeds);
+        let is_enclosed = is_blocked && self.pilot.backs_off();
+        if is_blocked {
+            self.pilot.back_off();
+        }
+        let passed_ns = time_ns.saturating_sub(self.since_ns);
+        let command = self.pilot.command(pose, speeds, passed_ns);
+        if command.is_none() {
+            (self.phase, self.until_ns) = (Phase::Settling, time_ns);
+        }
+        command.filter(|_| !is_enclosed).unwrap_or(Speeds::REST)
+    }
+
+    /// Returns true if the robot must brake for an obstacle on its path.
+    fn is_blocked(&self, pose: Isometry2<f64>, speeds: Speeds) -> bool {
+        let path = self.pilot.path(pose).zip(self.timeline.latest());
+        path.is_some_and(|((direction, left_m), (_, in_odom, _))| {
             let physics = &self.setup.physics;
             let braking = Braking {
                 radius_m: physics.radius_m,
@@ -340,18 +356,9 @@ impl Driver {
             };
             let along = pose.rotation.inverse() * direction;
             let forward_mps = speeds.forward_mps;
-            let obstacles = &self.obstacles;
-            if obstacles.is_in_the_path(&in_odom, along, forward_mps, braking) {
-                self.pilot.back_off();
-            }
-        }
-        let passed_ns = time_ns.saturating_sub(self.since_ns);
-        self.pilot
-            .command(pose, speeds, passed_ns)
-            .unwrap_or_else(|| {
-                (self.phase, self.until_ns) = (Phase::Settling, time_ns);
-                Speeds::REST
-            })
+            self.obstacles
+                .is_in_the_path(&in_odom, (along, left_m), forward_mps, braking)
+        })
     }
 
     /// Determines the outcome of the action, and decides again unless the drive is over.

@@ -23,9 +23,18 @@ pub enum Fault {
         /// The jump in seconds; negative if time went backward.
         by_s: f64,
     },
-    /// A scan is this many seconds newer than odometry, or older if negative.
-    #[error("the stamps of /scan are {0:.2} s off the stamps of /odom; synchronise the clocks")]
-    ClocksDisagree(f64),
+    /// The stamps of a topic are far from those of another one.
+    #[error(
+        "the stamps of {topic} are {by_s:.2} s off the stamps of {other}; synchronise the clocks"
+    )]
+    ClocksDisagree {
+        /// The topic.
+        topic: &'static str,
+        /// The other topic.
+        other: &'static str,
+        /// The difference in seconds; negative if the topic is older.
+        by_s: f64,
+    },
     /// The last beam of a scan is this many seconds newer than odometry.
     #[error(
         "the last beam of /scan is {0:.2} s newer than /odom; if the stamp is that of the last beam, pass \
@@ -40,9 +49,25 @@ pub enum Fault {
         "only {0} beams of a scan returned; uncover the lidar, or bring the robot nearer to a wall"
     )]
     NoReturns(usize),
-    /// A pose or a speed is not a number.
+    /// A pose or a speed is not a number, or the orientation is no rotation.
     #[error("a pose or a speed on /odom is not a number")]
     InvalidOdometry,
+    /// The robot would be faster than it can be, by its reported speed or by its way since the
+    /// message before.
+    #[error(
+        "{what} on /odom is {found:.2}, but at most {most:.2} is possible; restart the driver if this lasts"
+    )]
+    ImpossibleOdometry {
+        /// The quantity with its unit.
+        what: &'static str,
+        /// Its value.
+        found: f64,
+        /// The largest possible value.
+        most: f64,
+    },
+    /// A turn rate in rad/s that is not a number, or more than the gyro measures.
+    #[error("the turn rate on /imu is {0} rad/s")]
+    InvalidImu(f64),
     /// A message has an unexpected frame.
     #[error("{topic} is in the frame `{found}`, but must be in {expected}")]
     WrongFrame {
@@ -107,11 +132,13 @@ impl Fault {
             Self::NoScans(_)
             | Self::NoOdometry(_)
             | Self::NoClock(_)
-            | Self::ClocksDisagree(_)
+            | Self::ClocksDisagree { .. }
             | Self::ScanAhead(_)
             | Self::InvalidRanges(_)
             | Self::NoReturns(_)
             | Self::InvalidOdometry
+            | Self::ImpossibleOdometry { .. }
+            | Self::InvalidImu(_)
             | Self::WrongFrame { .. }
             | Self::WrongLidar { .. }
             | Self::WrongQos { .. }

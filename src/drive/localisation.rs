@@ -11,6 +11,9 @@ use crate::world::Maze;
 
 /// The maximum standard deviation of the position, as a share of a cell.
 const UNSURE: f64 = 0.25;
+/// The number of steps with a larger deviation that is a fault: half a second. Beams that disagree with the
+/// walls, as in front of a box, raise the deviation until others agree.
+const UNSURE_STEPS: u32 = 10;
 /// A beam disagrees if it ends farther than this from the wall: a share of a cell plus a share of
 /// the range.
 const OFF_CELL: f64 = 0.2;
@@ -32,6 +35,7 @@ pub struct Localisation {
     compared: u32,
     disagreeing: u32,
     bad_turns: u32,
+    unsure_steps: u32,
 }
 
 impl Localisation {
@@ -45,6 +49,7 @@ impl Localisation {
             compared: 0,
             disagreeing: 0,
             bad_turns: 0,
+            unsure_steps: 0,
         }
     }
 
@@ -93,19 +98,24 @@ impl Localisation {
         };
         (self.bad_turns >= TURNS).then_some(Mislocalised::ScanDisagrees(share))
     }
-}
 
-/// Checks an estimate on its own: a pose in the grid frame and its covariance.
-pub fn check(
-    maze: &Maze,
-    pose: &Isometry2<f64>,
-    covariance: &Matrix3<f64>,
-) -> Option<Mislocalised> {
-    let deviation_m = covariance[(0, 0)].max(covariance[(1, 1)]).max(0.0).sqrt();
-    if deviation_m.is_nan() || deviation_m > UNSURE * maze.cell_size_m() {
-        return Some(Mislocalised::Unsure(deviation_m));
+    /// Checks the estimate of a step on its own: a pose in the grid frame and its covariance.
+    pub fn check(
+        &mut self,
+        maze: &Maze,
+        pose: &Isometry2<f64>,
+        covariance: &Matrix3<f64>,
+    ) -> Option<Mislocalised> {
+        let deviation_m = covariance[(0, 0)].max(covariance[(1, 1)]).max(0.0).sqrt();
+        self.unsure_steps = match deviation_m > UNSURE * maze.cell_size_m() {
+            true => self.unsure_steps + 1,
+            false => 0,
+        };
+        if self.unsure_steps > UNSURE_STEPS {
+            return Some(Mislocalised::Unsure(deviation_m));
+        }
+        let cell = maze.cell_in_grid(pose.translation.vector.into());
+        let is_free = cell.is_some_and(|cell| !maze.is_wall(cell));
+        (!is_free).then_some(Mislocalised::InAWall)
     }
-    let cell = maze.cell_in_grid(pose.translation.vector.into());
-    let is_free = cell.is_some_and(|cell| !maze.is_wall(cell));
-    (!is_free).then_some(Mislocalised::InAWall)
 }

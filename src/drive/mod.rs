@@ -15,6 +15,7 @@
 //! frames follow REP 103 and REP 105: metres, radians, seconds; `map`, `odom` and `base_link`.
 
 mod bag;
+mod checks;
 mod driver;
 mod fault;
 mod localisation;
@@ -30,10 +31,10 @@ mod watch;
 pub use bag::{DriveBag, DriveRecording};
 #[cfg(feature = "ros2")]
 pub(crate) use bag::{drive_messages, messages};
+pub use checks::Frames;
 pub use driver::{Belief, Decision, Driver, DriverStep, Phase};
 pub use fault::{Fault, Mislocalised};
 pub use options::{DriverOptions, NodeOptions, SimulateOptions};
 pub use readings::{Imu, Network, Odometry, Readings, Scan};
 pub use setup::{DriveOptions, DriveSetup};
 pub use simulated::{SimulatedReadings, SimulatedRobot};
-pub use watch::Frames;

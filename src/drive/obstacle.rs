@@ -1,4 +1,5 @@
-//! Detects obstacles in the robot's path from scans, like a contactless bumper.
+//! Detects obstacles in the robot's path from scans, like a contactless bumper. What is behind the
+//! end of the path is no obstacle.
 
 use nalgebra::{Isometry2, Point2, Vector2};
 
@@ -47,11 +48,11 @@ impl Obstacles {
 
     /// Returns true if an obstacle is so near that the robot must brake now. The robot is at `pose`
     /// in the odometry frame, and drives at `speed_mps` along the unit vector `along` of its own
-    /// frame.
+    /// frame, for `left_m` more metres.
     pub fn is_in_the_path(
         &self,
         pose: &Isometry2<f64>,
-        along: Vector2<f64>,
+        (along, left_m): (Vector2<f64>, f64),
         speed_mps: f64,
         braking: Braking,
     ) -> bool {
@@ -63,6 +64,8 @@ impl Obstacles {
         let needed_m = speed_mps * speed_mps / (2.0 * deceleration_mps2)
             + DELAY_S * speed_mps.abs()
             + margin_m;
+        // A move ends within the margin of its target.
+        let needed_m = needed_m.min(left_m - margin_m);
         let is_near = |point: &&Point2<f64>| {
             let at = pose.inverse_transform_point(point).coords;
             let (ahead_m, beside_m) = (at.dot(&along), at.perp(&along).abs());

@@ -7,6 +7,8 @@ pub struct NodeOptions {
     pub namespace: String,
     /// The DDS domain, 0 to 232 (`ROS_DOMAIN_ID`).
     pub domain: u16,
+    /// Announce the node on this machine only (`ROS_LOCALHOST_ONLY`).
+    pub localhost_only: bool,
 }
 
 /// Options of the driver node.

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry2, Vector2};
 use serde_json::Value;
 
-use super::watch::Frames;
+use super::checks::Frames;
 use crate::agent::Knowledge;
 use crate::arena::{ArenaKind, Localisation, PhysicsParams, check_fit};
 use crate::sensor::Sensor;

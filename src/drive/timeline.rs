@@ -81,7 +81,8 @@ impl Timeline {
         }
     }
 
-    /// Adds odometry, which must be newer than all earlier odometry.
+    /// Adds odometry, which must be newer than all earlier odometry. What is older than the longest lag is
+    /// discarded, so that waiting for the first scan takes no memory.
     pub fn add_odometry(&mut self, odometry: &Odometry) {
         let last = self.samples.back();
         let (travel_m, turned_rad) = last.map_or((0.0, 0.0), |last| {
@@ -103,6 +104,7 @@ impl Timeline {
             travel_m,
             turned_rad,
         });
+        self.forget(odometry.stamp_ns.saturating_sub(2 * MOST_LAG_NS));
     }
 
     /// Adds a gyro reading. A reading that is not newer than the last one is dropped.
@@ -218,7 +220,7 @@ impl Timeline {
             beams: self.beams_until(end_ns),
         };
         self.time_ns = end_ns;
-        self.forget();
+        self.forget(end_ns);
         Some(readings)
     }
 
@@ -286,16 +288,12 @@ impl Timeline {
         returns
     }
 
-    /// Discards odometry and gyro readings older than the time of the onboard computer.
-    fn forget(&mut self) {
-        while self
-            .samples
-            .get(1)
-            .is_some_and(|s| s.time_ns <= self.time_ns)
-        {
+    /// Discards odometry and gyro readings that are not needed from a time on.
+    fn forget(&mut self, from_ns: u64) {
+        while self.samples.get(1).is_some_and(|s| s.time_ns <= from_ns) {
             self.samples.pop_front();
         }
-        while self.gyro.get(1).is_some_and(|g| g.0 <= self.time_ns) {
+        while self.gyro.get(1).is_some_and(|g| g.0 <= from_ns) {
             self.gyro.pop_front();
         }
     }

@@ -1,9 +1,12 @@
 //! Monitors incoming messages: ages, stamps, frames and values.
 
+use nalgebra::Isometry2;
+
+use super::checks::{Checks, Frames, of_stamps};
 use super::fault::Fault;
 use super::readings::{Imu, Odometry, Readings, Scan};
 use super::timeline::beam_time_ns;
-use crate::arena::LidarParams;
+use crate::arena::PhysicsParams;
 
 const SECOND_NS: f64 = 1e9;
 /// The maximum age of odometry in nanoseconds: three control periods.
@@ -15,43 +18,8 @@ const TURNS: f64 = 2.0;
 /// A change of the stamps by more than this, in nanoseconds, is a jump if less than half of it has
 /// passed.
 const JUMP_NS: u64 = 500_000_000;
-/// The maximum difference between the stamps of scans and odometry, in nanoseconds.
-const DISAGREEMENT_NS: u64 = 1_000_000_000;
-/// The maximum share of ranges that are not a number.
-const INVALID: f64 = 0.5;
-/// The least share of the beams of a scan that return. A lidar that is covered returns nothing.
-const LEAST_RETURNS: f64 = 0.02;
-/// The most that the time between beams may exceed that of the profile. A lidar that does not turn reports
-/// infinity.
-const SLOWEST: f64 = 10.0;
-/// The maximum differences of the lidar from the profile: in range, as a share, and in beams per
-/// turn.
-const RANGE_SHARE: f64 = 0.05;
-const BEAMS: usize = 2;
-
-/// The expected frames of messages.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Frames {
-    /// The frame of odometry.
-    pub odom: String,
-    /// The accepted frames of the robot.
-    pub base: Vec<String>,
-    /// The accepted frames of the lidar.
-    pub scan: Vec<String>,
-}
-
-impl Default for Frames {
-    /// Returns the frames of REP 105 and of TurtleBots.
-    fn default() -> Self {
-        let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
-        Self {
-            odom: "odom".to_owned(),
-            base: owned(&["base_link", "base_footprint"]),
-            scan: owned(&["base_scan", "laser", "laser_frame", "base_link"]),
-        }
-    }
-}
-
+/// The maximum age of the last beam of a scan that arrives, in nanoseconds.
+const SCAN_AGE_NS: u64 = 500_000_000;
 /// The last message of a topic.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
@@ -62,16 +30,20 @@ struct Seen {
 /// Monitors incoming messages.
 #[derive(Debug)]
 pub struct Watch {
-    lidar: LidarParams,
-    frames: Frames,
+    checks: Checks,
+    /// The maximum age of scans.
+    most_scan_ns: u64,
     begun_ns: Option<u64>,
     scan: Option<Seen>,
     odometry: Option<Seen>,
+    /// The stamp of the last odometry, accepted or not, and the last accepted pose.
+    pose: Option<(u64, Isometry2<f64>)>,
     /// Simulated time, and the time on the steady clock when it last changed.
     clock: Option<(u64, u64)>,
     /// The fault of the last message of each topic.
     scan_fault: Option<Fault>,
     odometry_fault: Option<Fault>,
+    imu_fault: Option<Fault>,
     jump: Option<Fault>,
 }
 
@@ -85,17 +57,19 @@ pub struct Watched<'a> {
 }
 
 impl Watch {
-    /// Creates a monitor for a robot with this lidar and these frames.
-    pub fn new(lidar: &LidarParams, frames: Frames) -> Self {
+    /// Creates a monitor for a robot with these settings and these frames.
+    pub fn new(physics: &PhysicsParams, frames: Frames) -> Self {
         Self {
-            lidar: lidar.clone(),
-            frames,
+            checks: Checks::new(physics, frames),
+            most_scan_ns: (TURNS * SECOND_NS / physics.lidar.rate_hz) as u64,
+            pose: None,
             begun_ns: None,
             scan: None,
             odometry: None,
             clock: None,
             scan_fault: None,
             odometry_fault: None,
+            imu_fault: None,
             jump: None,
         }
     }
@@ -110,8 +84,11 @@ impl Watch {
                 watched.odometry.push(odometry);
             }
         }
-        watched.imu = readings.imu.iter().collect();
-        watched.imu.retain(|imu| imu.turn_radps.is_finite());
+        for imu in &readings.imu {
+            if self.accepts_imu(imu) {
+                watched.imu.push(imu);
+            }
+        }
         for scan in &readings.scans {
             if self.accepts_scan(scan, now_ns) {
                 watched.scans.push(scan);
@@ -123,7 +100,7 @@ impl Watch {
         };
         let (scan_ns, odometry_ns) = (age(self.scan), age(self.odometry));
         let faults = &mut watched.faults;
-        if scan_ns as f64 > TURNS * SECOND_NS / self.lidar.rate_hz {
+        if scan_ns > self.most_scan_ns {
             faults.push(Fault::NoScans(scan_ns as f64 / SECOND_NS));
         }
         if odometry_ns > ODOMETRY_AGE_NS {
@@ -133,7 +110,12 @@ impl Watch {
         if let Some(stood_ns) = self.clock.map(stood).filter(|&ns| ns > CLOCK_AGE_NS) {
             faults.push(Fault::NoClock(stood_ns as f64 / SECOND_NS));
         }
-        let of_messages = [&self.jump, &self.odometry_fault, &self.scan_fault];
+        let of_messages = [
+            &self.jump,
+            &self.odometry_fault,
+            &self.imu_fault,
+            &self.scan_fault,
+        ];
         faults.extend(of_messages.into_iter().flatten().cloned());
         of_network(readings, faults);
         watched
@@ -174,135 +156,94 @@ impl Watch {
     }
 
     /// Tracks the stamps of a topic. Returns false for a message that is not newer than the last
-    /// one.
+    /// one, or much newer.
     fn follow(&mut self, topic: &'static str, last: Option<Seen>, now: Seen) -> bool {
         let Some(last) = last else {
             return true;
         };
         let step_ns = now.stamp_ns.saturating_sub(last.stamp_ns);
         let passed_ns = now.arrived_ns.saturating_sub(last.arrived_ns);
-        if now.stamp_ns < last.stamp_ns || (step_ns > JUMP_NS && passed_ns < step_ns / 2) {
+        let has_jumped =
+            now.stamp_ns < last.stamp_ns || (step_ns > JUMP_NS && passed_ns < step_ns / 2);
+        if has_jumped {
             self.jumped(topic, last.stamp_ns, now.stamp_ns);
         }
-        now.stamp_ns > last.stamp_ns
+        now.stamp_ns > last.stamp_ns && !has_jumped
     }
 
     fn accepts_odometry(&mut self, odometry: &Odometry, arrived_ns: u64) -> bool {
-        self.odometry_fault = self.fault_of_odometry(odometry);
-        if self.odometry_fault.is_some() {
-            return false;
-        }
+        let stamp_ns = odometry.stamp_ns;
+        let off_clock = |(clock_ns, _)| of_stamps(["/odom", "/clock"], stamp_ns, clock_ns);
+        self.odometry_fault = self
+            .checks
+            .odometry(odometry)
+            .or_else(|| self.clock.and_then(off_clock));
         let seen = Seen {
-            stamp_ns: odometry.stamp_ns,
+            stamp_ns,
             arrived_ns,
         };
-        let is_newer = self.follow("/odom", self.odometry, seen);
-        if is_newer {
-            self.odometry = Some(seen);
-        }
-        is_newer
-    }
-
-    fn fault_of_odometry(&self, odometry: &Odometry) -> Option<Fault> {
-        let topic = "/odom";
-        let (at, speeds) = (odometry.pose.translation, odometry.speeds);
-        let heading = odometry.pose.rotation;
-        let numbers = [
-            at.x,
-            at.y,
-            heading.re,
-            heading.im,
-            speeds.forward_mps,
-            speeds.turn_radps,
-        ];
-        if !numbers.iter().all(|number| number.is_finite()) {
-            return Some(Fault::InvalidOdometry);
-        }
-        let Frames { odom, base, .. } = &self.frames;
-        frame_fault(topic, &odometry.frame, std::slice::from_ref(odom))
-            .or_else(|| frame_fault(topic, &odometry.child_frame, base))
-    }
-
-    fn accepts_scan(&mut self, scan: &Scan, arrived_ns: u64) -> bool {
-        self.scan_fault = self.fault_of_scan(scan, arrived_ns);
-        if self.scan_fault.is_some() {
+        if self.odometry_fault.is_some() || !self.follow("/odom", self.odometry, seen) {
             return false;
         }
+        self.odometry_fault = self.checks.motion(odometry, self.pose);
+        if self.odometry_fault.is_some() {
+            // The time that a jump has lasted does not make it possible.
+            self.pose = self.pose.map(|(_, pose)| (stamp_ns, pose));
+            return false;
+        }
+        (self.odometry, self.pose) = (Some(seen), Some((stamp_ns, odometry.pose)));
+        true
+    }
+
+    /// Accepts a gyro reading after the first odometry, because its time needs another one.
+    fn accepts_imu(&mut self, imu: &Imu) -> bool {
+        let Some(odometry) = self.odometry else {
+            return false;
+        };
+        let off_clock = || of_stamps(["/imu", "/odom"], imu.stamp_ns, odometry.stamp_ns);
+        self.imu_fault = self.checks.imu(imu).or_else(off_clock);
+        self.imu_fault.is_none()
+    }
+
+    /// Accepts a scan after the first odometry, because its beams need the poses of the robot.
+    fn accepts_scan(&mut self, scan: &Scan, arrived_ns: u64) -> bool {
+        self.scan_fault = self.checks.scan(scan);
         let seen = Seen {
             stamp_ns: scan.stamp_ns,
             arrived_ns,
         };
+        let Some(odometry) = self.odometry.filter(|_| self.scan_fault.is_none()) else {
+            return false;
+        };
         let is_newer = self.follow("/scan", self.scan, seen);
         if is_newer {
+            self.scan_fault = fault_of_times(scan, arrived_ns, odometry);
+        }
+        let is_accepted = is_newer && self.scan_fault.is_none();
+        if is_accepted {
             self.scan = Some(seen);
         }
-        is_newer
-    }
-
-    fn fault_of_scan(&self, scan: &Scan, arrived_ns: u64) -> Option<Fault> {
-        let beams = scan.ranges_m.len();
-        let invalid = scan.ranges_m.iter().filter(|range| range.is_nan()).count();
-        if invalid as f64 > INVALID * beams as f64 || beams == 0 {
-            return Some(Fault::InvalidRanges(invalid as f64 / beams.max(1) as f64));
-        }
-        let expected = 1.0 / (self.lidar.rate_hz * f64::from(self.lidar.beams));
-        let found = scan.time_increment_s;
-        if !found.is_finite() || found > SLOWEST * expected {
-            let what = "time_increment";
-            return Some(Fault::WrongLidar {
-                what,
-                found,
-                expected,
-            });
-        }
-        let expected = self.lidar.beams as usize;
-        if beams.abs_diff(expected) > BEAMS {
-            return Some(Fault::WrongLidar {
-                what: "beams",
-                found: beams as f64,
-                expected: expected as f64,
-            });
-        }
-        let expected = self.lidar.range_m;
-        if (scan.range_max_m - expected).abs() > RANGE_SHARE * expected {
-            return Some(Fault::WrongLidar {
-                what: "range_max",
-                found: scan.range_max_m,
-                expected,
-            });
-        }
-        let returns = (0..beams).filter(|beam| scan.measured_m(*beam).is_some());
-        let returns = returns.count();
-        if returns == 0 || (returns as f64) < LEAST_RETURNS * beams as f64 {
-            return Some(Fault::NoReturns(returns));
-        }
-        if let Some(odometry) = self.odometry
-            && scan.stamp_ns.abs_diff(odometry.stamp_ns) > DISAGREEMENT_NS
-        {
-            let by_s = (scan.stamp_ns as f64 - odometry.stamp_ns as f64) / SECOND_NS;
-            return Some(Fault::ClocksDisagree(by_s));
-        }
-        if let Some(odometry) = self.odometry {
-            let passed_ns = arrived_ns.saturating_sub(odometry.arrived_ns);
-            let last_ns = beam_time_ns(scan, beams - 1);
-            let ahead_ns = last_ns.saturating_sub(odometry.stamp_ns + passed_ns);
-            if ahead_ns > ODOMETRY_AGE_NS {
-                return Some(Fault::ScanAhead(ahead_ns as f64 / SECOND_NS));
-            }
-        }
-        frame_fault("/scan", &scan.frame, &self.frames.scan)
+        is_accepted
     }
 }
 
-fn frame_fault(topic: &'static str, found: &str, expected: &[String]) -> Option<Fault> {
-    // ROS 1 nodes and some drivers prefix frames with a slash.
-    let found_name = found.strip_prefix('/').unwrap_or(found);
-    let is_expected = expected.iter().any(|name| name == found_name);
-    (!is_expected).then(|| Fault::WrongFrame {
-        topic,
-        found: found.to_owned(),
-        expected: format!("`{}`", expected.join("` or `")),
-    })
+/// Compares the times of the beams of a scan with those of odometry.
+fn fault_of_times(scan: &Scan, arrived_ns: u64, odometry: Seen) -> Option<Fault> {
+    let [topic, other] = ["/scan", "/odom"];
+    let now_ns = odometry.stamp_ns + arrived_ns.saturating_sub(odometry.arrived_ns);
+    let last_ns = beam_time_ns(scan, scan.ranges_m.len().saturating_sub(1));
+    let ahead_ns = last_ns.saturating_sub(now_ns);
+    let behind_ns = now_ns.saturating_sub(last_ns);
+    let of_beams = match (ahead_ns > ODOMETRY_AGE_NS, behind_ns > SCAN_AGE_NS) {
+        (true, _) => Some(Fault::ScanAhead(ahead_ns as f64 / SECOND_NS)),
+        (_, true) => Some(Fault::ClocksDisagree {
+            topic,
+            other,
+            by_s: -(behind_ns as f64) / SECOND_NS,
+        }),
+        _ => None,
+    };
+    of_stamps([topic, other], scan.stamp_ns, odometry.stamp_ns).or(of_beams)
 }
 
 fn of_network(readings: &Readings, faults: &mut Vec<Fault>) {

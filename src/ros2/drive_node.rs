@@ -104,7 +104,8 @@ struct DriveNode {
     cmd_vel: Option<Velocity>,
     /// The message type of commands.
     velocity: [&'static str; 2],
-    tf: Publisher<Transforms>,
+    /// Transforms; `None` in a dry run, beside another localiser.
+    tf: Option<Publisher<Transforms>>,
     pose: Publisher<EstimatedPose>,
     decision: Publisher<Text>,
     fault: Publisher<Text>,
@@ -140,7 +141,10 @@ impl DriveNode {
                 (false, true) => Some(Velocity::Stamped(publisher_of(&mut link, STAMPED)?)),
             },
             velocity: if options.stamped { STAMPED } else { TWIST },
-            tf: link.publisher("tf", ["tf2_msgs", "TFMessage"], &reliable())?,
+            tf: match options.dry_run {
+                true => None,
+                false => Some(link.publisher("tf", ["tf2_msgs", "TFMessage"], &reliable())?),
+            },
             pose: link.publisher("xcscr/pose", pose, &reliable())?,
             decision: link.publisher("xcscr/decision", text, &reliable())?,
             fault: link.publisher("xcscr/fault", text, &reliable())?,
@@ -180,6 +184,9 @@ impl DriveNode {
     fn look(&mut self) {
         self.looked = Some(Instant::now());
         let own = self.cmd_vel.as_ref().map(Velocity::gid);
+        let others = |own| self.link.other_publishers("cmd_vel", own);
+        // In a dry run others may drive the robot.
+        let other_publishers = own.map_or(0, others);
         let link = &self.link;
         let named = |topic: &str, cause: Option<String>| Some((format!("/{topic}"), cause?));
         let incompatible = [
@@ -187,24 +194,30 @@ impl DriveNode {
             named("odom", link.writer_fault("odom", ODOMETRY, &best_effort())),
             named(
                 "cmd_vel",
-                link.reader_fault("cmd_vel", self.velocity, &reliable()),
+                own.and_then(|_| link.reader_fault("cmd_vel", self.velocity, &reliable())),
             ),
         ];
         self.network = Network {
-            other_publishers: link.other_publishers("cmd_vel", own),
+            other_publishers,
             incompatible: incompatible.into_iter().flatten().collect(),
         };
     }
 
+    /// Returns the time of sending: simulated time if there is any, otherwise that of this machine.
+    fn now_ns(&self) -> u64 {
+        self.clock_ns.unwrap_or_else(unix_ns)
+    }
+
     fn publish(&self, step: &DriverStep) -> Result<(), Error> {
         if let Some(cmd_vel) = &self.cmd_vel {
-            let time_ns = step.belief.map_or(0, |belief| belief.stamp_ns);
-            cmd_vel.publish(time_ns, step.command)?;
+            cmd_vel.publish(self.now_ns(), step.command)?;
         }
         // The rest is for display only; a full queue drops it.
         if let Some(belief) = &step.belief {
             let frames = [(MAP, ODOM, belief.odom_in_map)];
-            let _ = self.tf.publish(Transforms::new(belief.stamp_ns, &frames));
+            if let Some(tf) = &self.tf {
+                let _ = tf.publish(Transforms::new(belief.stamp_ns, &frames));
+            }
             let _ = self.pose.publish(belief.into());
         }
         if let Some(decision) = &step.decision {
@@ -221,7 +234,7 @@ impl Drop for RestAtEnd {
     fn drop(&mut self) {
         if let Some(cmd_vel) = &self.0.cmd_vel {
             for _ in 0..3 {
-                let _ = cmd_vel.publish(0, Speeds::default());
+                let _ = cmd_vel.publish(self.0.now_ns(), Speeds::default());
             }
             sleep(GRACE_PERIOD);
         }

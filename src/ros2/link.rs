@@ -1,12 +1,14 @@
 //! A ROS 2 node and its topics.
 
-use ros2_client::dds::rustdds::Topic;
+use std::net::Ipv4Addr;
+
 use ros2_client::dds::rustdds::discovery::PublicationBuiltinTopicData;
+use ros2_client::dds::rustdds::{DomainParticipantBuilder, Topic};
 use ros2_client::qos::{Durability, History, WhenFull};
 use ros2_client::ros2::QosPolicies;
 use ros2_client::{
-    Context, ContextOptions, Gid, MessageTypeName, Name, Node, NodeName,
-    NodeOptions as RosNodeOptions, Publisher, QosProfile, Subscription,
+    Context, Gid, MessageTypeName, Name, Node, NodeName, NodeOptions as RosNodeOptions, Publisher,
+    QosProfile, Subscription,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -50,8 +52,12 @@ impl Link {
     /// Opens a node with a name.
     pub fn open(name: &str, options: &NodeOptions) -> Result<Self, Error> {
         let what = || format!("the node `{name}` in the namespace `{}`", options.namespace);
-        let context = Context::with_options(ContextOptions::new().domain_id(options.domain))
-            .map_err(failed(what()))?;
+        let mut participant = DomainParticipantBuilder::new(options.domain);
+        if options.localhost_only {
+            participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
+        }
+        let participant = participant.build().map_err(failed(what()))?;
+        let context = Context::from_domain_participant(participant).map_err(failed(what()))?;
         let node_name = NodeName::new(&options.namespace, name).map_err(failed(what()))?;
         let node = context
             .new_node(node_name, RosNodeOptions::new().enable_rosout(false))
@@ -126,11 +132,11 @@ impl Link {
     }
 
     /// Returns the number of publishers on a topic other than `own`.
-    pub fn other_publishers(&self, topic: &str, own: Option<Gid>) -> usize {
+    pub fn other_publishers(&self, topic: &str, own: Gid) -> usize {
         let name = self.dds_name(topic);
         let writers = self.context.domain_participant().discovered_writers();
         let is_other = |data: &&PublicationBuiltinTopicData| {
-            data.topic_name == name && Some(Gid::from(data.key)) != own
+            data.topic_name == name && Gid::from(data.key) != own
         };
         let all = writers.iter().map(|writer| &writer.publication_topic_data);
         all.filter(is_other).count()
@@ -195,19 +201,23 @@ pub fn failed<E: std::fmt::Debug>(what: String) -> impl FnOnce(E) -> Error {
     move |cause| ErrorKind::Io.error(format!("cannot create {what} for ROS 2: {cause:?}"))
 }
 
-/// Returns all waiting messages. Messages that cannot be decoded are dropped.
+/// The most messages that are taken at once, so that a fast publisher cannot keep the robot from its
+/// next command.
+const MOST_MESSAGES: usize = 100;
+
+/// Returns the waiting messages. Messages that cannot be decoded are dropped.
 pub fn drain<M: DeserializeOwned + 'static>(subscription: &Subscription<M>) -> Vec<(M, i64)> {
     let mut all = Vec::new();
-    loop {
+    for _ in 0..MOST_MESSAGES {
         match subscription.take() {
             Ok(Some((message, info))) => {
                 let sent = info.source_timestamp();
                 all.push((message, sent.map_or(0, |at| at.to_nanos())));
             }
-            Ok(None) => return all,
+            Ok(None) => break,
             // A message that cannot be decoded is removed from the queue as well.
-            Err(_) if all.len() < 1_000 => {}
-            Err(_) => return all,
+            Err(_) => {}
         }
     }
+    all
 }

@@ -13,6 +13,9 @@ use super::messages::{
 use crate::arena::Speeds;
 use crate::drive::{self, Belief};
 
+/// The largest deviation of the norm of a quaternion from 1.
+const ROUNDED: f64 = 0.1;
+
 /// `geometry_msgs/msg/Twist`.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub struct Twist {
@@ -76,10 +79,17 @@ impl Text {
 }
 
 impl Pose {
-    /// Returns the pose on the floor. Its numbers may be invalid, like those of the message.
+    /// Returns the pose on the floor. Its numbers may be invalid, like those of the message. The heading is
+    /// not a number if the orientation is no rotation.
     fn on_floor(&self) -> Isometry2<f64> {
         let Quaternion { x, y, z, w } = self.orientation;
-        let heading = Complex::new(1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y));
+        let norm = (x * x + y * y + z * z + w * w).sqrt();
+        // Drivers round, but a quaternion of zeros is no rotation.
+        let is_rotation = (norm - 1.0).abs() < ROUNDED;
+        let heading = match is_rotation {
+            true => Complex::new(1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y)),
+            false => Complex::new(f64::NAN, f64::NAN),
+        };
         Isometry2::from_parts(
             Translation2::new(self.position.x, self.position.y),
             UnitComplex::new_normalize(heading),

@@ -185,7 +185,7 @@ fn a_robot_that_is_carried_away_or_turned_is_mislocalised() {
 #[test]
 fn simulated_time_that_stands_still_or_runs_backward_is_a_fault() {
     let mut rig = Rig::maze4();
-    let start_ns = rig.now_ns;
+    let start_ns = STEP_NS;
     let clock = |at_ns: u64| move |readings: &mut Readings| readings.clock_ns = Some(at_ns);
     for step in 0..20 {
         let step = rig.tick(clock(start_ns + step * STEP_NS));

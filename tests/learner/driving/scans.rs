@@ -2,15 +2,20 @@
 
 use super::*;
 
-/// Creates a TurtleBot3 Burger in a maze. Its lidar has a range of 3.5 m.
-fn burger(seed: u64, options: DriveOptions) -> Rig {
-    let (mut plan, knowledge) = policy(maze4(), |_| false);
+/// Creates a TurtleBot3 Burger in Maze4.
+pub fn burger(seed: u64, options: DriveOptions) -> Rig {
+    burger_in(maze4(), seed, options)
+}
+
+/// Creates a TurtleBot3 Burger in a world. Its lidar has a range of 3.5 m.
+pub fn burger_in(maze: Maze, seed: u64, options: DriveOptions) -> Rig {
+    let (mut plan, knowledge) = policy(maze, |_| false);
     let profile = RobotProfile::load("turtlebot3-burger").unwrap();
     plan.config.settings = profile.settings_over(&plan.config.settings).unwrap();
     let physics = plan.config.settings.physics.clone();
     let setup = DriveSetup::new(&plan, &knowledge, options).unwrap();
     Rig {
-        robot: SimulatedRobot::new(maze4(), &physics, seed, None).unwrap(),
+        robot: SimulatedRobot::new(plan.maze, &physics, seed, None).unwrap(),
         driver: Driver::new(setup),
         now_ns: 7_000_000_000,
     }

@@ -88,7 +88,8 @@ impl Config {
         let frozen = Frozen::new(knowledge, maze.action_count(), limit);
         let Settings { sensor, arena, .. } = &self.settings;
         match (sensor.history, arena.slip > 0.0) {
-            (0, false) => Box::new(frozen.with_detours(self.sensor, maze)),
+            // In the simulation nothing but its walls blocks a move in a maze.
+            (0, false) if maze.is_from_map() => Box::new(frozen.with_detours(self.sensor, maze)),
             // A slipped move says nothing about the chosen one.
             _ => self.with_history(Box::new(frozen), maze),
         }

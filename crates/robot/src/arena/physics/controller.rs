@@ -69,6 +69,11 @@ impl Maneuver {
         self.phase == Phase::Back
     }
 
+    /// Returns the distance to the end of the path, in metres; `None` while the robot turns.
+    pub(super) fn left_m(&self, seen: &Motion) -> Option<f64> {
+        (self.phase != Phase::Turn).then(|| self.ahead(seen))
+    }
+
     /// Returns true when driving forward.
     pub(super) fn front_leads(&self) -> bool {
         self.facing > 0.0

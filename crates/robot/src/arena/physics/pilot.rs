@@ -218,15 +218,12 @@ impl Pilot {
         }
     }
 
-    /// Returns the direction of travel as a unit vector while a wall could block the manoeuvre.
-    /// Returns `None` while the robot turns, in the second half of the path, and while it backs
-    /// off.
-    pub fn travel_direction(&self, pose: Isometry2<f64>) -> Option<Vector2<f64>> {
+    /// Returns the direction of travel as a unit vector, and the distance to the end of the path in
+    /// metres. Returns `None` while the robot turns.
+    pub fn path(&self, pose: Isometry2<f64>) -> Option<(Vector2<f64>, f64)> {
         let maneuver = &self.action.as_ref()?.maneuver;
-        let seen = Motion::at_rest(pose);
-        maneuver
-            .is_stopped_by_walls(&seen)
-            .then(|| maneuver.along())
+        let left_m = maneuver.left_m(&Motion::at_rest(pose))?;
+        Some((maneuver.along(), left_m))
     }
 
     /// Returns the direction of the manoeuvre as a unit vector; the x axis without a manoeuvre.
@@ -235,11 +232,18 @@ impl Pilot {
         action.map_or(Vector2::x(), |action| action.maneuver.along())
     }
 
-    /// Makes the robot drive back to where the manoeuvre started, because of an obstacle.
+    /// Makes the robot drive back to where the manoeuvre started, because of an obstacle. A robot that
+    /// drives back already goes on.
     pub fn back_off(&mut self) {
-        if let Some(action) = &mut self.action {
+        if let Some(action) = self.action.as_mut().filter(|it| !it.maneuver.backs_off()) {
             action.maneuver.back_off();
         }
+    }
+
+    /// Returns true while the robot drives back because of an obstacle.
+    pub fn backs_off(&self) -> bool {
+        let action = self.action.as_ref();
+        action.is_some_and(|action| action.maneuver.backs_off())
     }
 
     /// Ends the manoeuvre. Returns its outcome by the estimated cell, for a robot that is in a goal
