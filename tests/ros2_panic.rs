@@ -19,11 +19,16 @@ fn a_panic_stops_the_robot() {
     let run = std::env::var_os("XCSCR_RUN").unwrap();
     let folder = RunFolder::open(&PathBuf::from(run));
     let (plan, knowledge) = (folder.plan().unwrap(), folder.knowledge().unwrap());
-    let setup = DriveSetup::new(&plan, &knowledge, DriveOptions::default()).unwrap();
+    let drive = DriveOptions {
+        laser: Some([0.0; 3]),
+        ..DriveOptions::default()
+    };
+    let setup = DriveSetup::new(&plan, &knowledge, drive).unwrap();
     let options = DriverOptions {
         node: NodeOptions {
             namespace: "/".to_owned(),
             domain: 0,
+            localhost_only: false,
         },
         sim_time: true,
         stamped: false,

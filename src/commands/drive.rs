@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
 use xcscr::drive::DriveRecording;
-use xcscr::drive::{DriveOptions, DriveSetup, Driver, DriverOptions, Fault, Frames};
+use xcscr::drive::{DriveOptions, DriveSetup, Driver, DriverOptions, Fault, Frames, ScanOrder};
 use xcscr::trial::RobotProfile;
 
 use super::choices;
@@ -37,16 +37,20 @@ pub struct DriveArgs {
     /// cell].
     #[arg(long, value_name = "X,Y,YAW", value_parser = node::pose, allow_hyphen_values = true)]
     start: Option<[f64; 3]>,
-    /// Pose of the lidar on the robot: x and y in metres, heading in radians.
-    #[arg(long, value_name = "X,Y,YAW", value_parser = node::pose, allow_hyphen_values = true, default_value = "0,0,0")]
-    laser: [f64; 3],
-    /// The frame of scans [default: base_scan, laser, laser_frame or base_link].
-    #[arg(long, value_name = "NAME")]
+    /// Pose of the lidar on the robot: x and y in metres, heading in radians [default: by
+    /// /tf_static].
+    #[arg(long, value_name = "X,Y,YAW", value_parser = node::pose, allow_hyphen_values = true)]
+    laser: Option<[f64; 3]>,
+    /// With --laser, the frame of scans [default: base_scan, laser, laser_frame or base_link].
+    #[arg(long, value_name = "NAME", requires = "laser")]
     scan_frame: Option<String>,
-    /// Scans list their beams from the last to the first, and their stamp is the time of the last
-    /// one. Needed for the LDS-01 and the LDS-02 of the TurtleBot3.
-    #[arg(long)]
-    reversed_scans: bool,
+    /// Prefix of the names of all frames but map, such as tb3/.
+    #[arg(long, value_name = "P", default_value = "")]
+    frame_prefix: String,
+    /// Scans list their beams from the last to the first. Their stamp is the time of the last one
+    /// (default; LDS-01, LDS-02 and LDS-03), or of the first one (RPLIDAR).
+    #[arg(long, value_name = "STAMP", num_args = 0..=1, require_equals = true, default_missing_value = "last")]
+    reversed_scans: Option<StampOf>,
     /// Take the time from /clock, for a simulated robot.
     #[arg(long)]
     sim_time: bool,
@@ -66,10 +70,17 @@ pub struct DriveArgs {
     node: NodeArgs,
 }
 
+/// The beam whose time is the stamp of a scan.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum StampOf {
+    Last,
+    First,
+}
+
 impl DriveArgs {
     fn setup(&self) -> Result<DriveSetup, Failure> {
         let (plan, knowledge) = learned::of_run(&self.run, self.run.is_file())?;
-        let mut frames = Frames::default();
+        let mut frames = Frames::default().with_prefix(&self.frame_prefix);
         if let Some(scan) = &self.scan_frame {
             frames.scan = vec![scan.clone()];
         }
@@ -79,7 +90,11 @@ impl DriveArgs {
             start: self.start,
             laser: self.laser,
             frames,
-            reversed_scans: self.reversed_scans,
+            scan_order: match self.reversed_scans {
+                None => ScanOrder::Forward,
+                Some(StampOf::Last) => ScanOrder::Reversed,
+                Some(StampOf::First) => ScanOrder::ReversedFromFirst,
+            },
         };
         Ok(DriveSetup::new(&plan, &knowledge, options)?)
     }

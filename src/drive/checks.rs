@@ -1,10 +1,12 @@
 //! Checks the values of a message before they are used.
 
+use std::f64::consts::TAU;
+
 use nalgebra::Isometry2;
 
 use super::fault::Fault;
 use super::readings::{Imu, Odometry, Scan};
-use crate::arena::{LidarParams, PhysicsParams, Speeds};
+use crate::arena::{PhysicsParams, Speeds};
 
 const SECOND_NS: f64 = 1e9;
 /// The maximum difference between the stamps of two topics, in nanoseconds.
@@ -22,13 +24,12 @@ const MOST_WAY_NS: u64 = 1_000_000_000;
 const INVALID: f64 = 0.5;
 /// The least share of the beams of a scan that return. A lidar that is covered returns nothing.
 const LEAST_RETURNS: f64 = 0.02;
-/// The most that the time between beams may exceed that of the profile. A lidar that does not turn reports
-/// infinity.
-const SLOWEST: f64 = 10.0;
-/// The maximum differences of the lidar from the profile: in range, as a share, and in beams per
-/// turn.
-const RANGE_SHARE: f64 = 0.05;
-const BEAMS: usize = 2;
+/// The numbers of beams of a scan. More would delay the next command.
+const BEAMS: [f64; 2] = [16.0, 10_000.0];
+/// The angle of all beams in turns. Drivers leave out some beams, or repeat the first one.
+const TURNS: [f64; 2] = [0.9, 1.1];
+/// The longest time of a scan, in turns of the profile's lidar.
+const LONGEST_TURN: f64 = 2.0;
 
 /// The expected frames of messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -56,7 +57,13 @@ impl Default for Frames {
 /// The values of messages that are possible for a robot.
 #[derive(Debug)]
 pub struct Checks {
-    lidar: LidarParams,
+    /// The number of beams of the profile.
+    beams: f64,
+    longest_turn_s: f64,
+    /// The distance of the nearest walls from the middle of a cell.
+    nearest_wall_m: f64,
+    /// The range that the percept of the policy needs.
+    needed_range_m: f64,
     /// The largest possible speeds.
     fastest: Speeds,
     /// The largest turn rate that the gyro measures.
@@ -65,10 +72,18 @@ pub struct Checks {
 }
 
 impl Checks {
-    /// Creates the checks for a robot with these settings and these frames.
-    pub fn new(physics: &PhysicsParams, frames: Frames) -> Self {
+    /// Creates the checks for a robot with these settings, in cells of this size, and these frames.
+    pub fn new(physics: &PhysicsParams, cell_size_m: f64, frames: Frames) -> Self {
+        let lidar = &physics.lidar;
+        let in_cells = lidar.range_m / lidar.largest_cell_m();
         Self {
-            lidar: physics.lidar.clone(),
+            beams: lidar.beams.into(),
+            longest_turn_s: LONGEST_TURN / lidar.rate_hz,
+            nearest_wall_m: cell_size_m / 2.0,
+            // A beam that does not come back counts as free as far as this.
+            needed_range_m: lidar
+                .lost_beam_range_m(cell_size_m)
+                .max((in_cells * cell_size_m).min(lidar.range_m)),
             fastest: Speeds {
                 forward_mps: FASTER * physics.max_speed_mps,
                 turn_radps: FASTER * physics.max_turn_radps,
@@ -144,42 +159,70 @@ impl Checks {
     /// Returns what is wrong with the values of a scan.
     pub fn scan(&self, scan: &Scan) -> Option<Fault> {
         let beams = scan.ranges_m.len();
-        let expected = self.lidar.beams as usize;
-        if beams > 0 && beams.abs_diff(expected) > BEAMS {
-            return Some(Fault::WrongLidar {
-                what: "beams",
-                found: beams as f64,
-                expected: expected as f64,
-            });
-        }
-        let invalid = scan.ranges_m.iter().filter(|range| range.is_nan()).count();
-        if invalid as f64 > INVALID * beams as f64 || beams == 0 {
-            return Some(Fault::InvalidRanges(invalid as f64 / beams.max(1) as f64));
-        }
-        let expected = 1.0 / (self.lidar.rate_hz * f64::from(self.lidar.beams));
-        let found = scan.time_increment_s;
-        if !found.is_finite() || found > SLOWEST * expected {
-            let what = "time_increment";
+        let all = beams as f64;
+        let turns = all * scan.angle_increment_rad.abs() / TAU;
+        let turn_s = all * scan.time_increment_s;
+        let [least_beams, most_beams] = BEAMS;
+        let limits = [
+            (
+                "number of beams",
+                all,
+                [least_beams.min(self.beams), most_beams],
+            ),
+            (
+                "size of angle_min in rad",
+                scan.angle_min_rad.abs(),
+                [0.0, 2.0 * TAU],
+            ),
+            ("angle of all beams in turns", turns, TURNS),
+            ("time of all beams in s", turn_s, [0.0, self.longest_turn_s]),
+            (
+                "range_min in m",
+                scan.range_min_m,
+                [0.0, self.nearest_wall_m],
+            ),
+            (
+                "range_max in m",
+                scan.range_max_m,
+                [self.needed_range_m, f64::INFINITY],
+            ),
+        ];
+        let is_wrong =
+            |(_, found, [least, most]): &(_, f64, [f64; 2])| !(least..=most).contains(&found);
+        if let Some((what, found, [least, most])) = limits.into_iter().find(is_wrong) {
             return Some(Fault::WrongLidar {
                 what,
                 found,
-                expected,
+                least,
+                most,
             });
         }
-        let expected = self.lidar.range_m;
-        if (scan.range_max_m - expected).abs() > RANGE_SHARE * expected {
-            return Some(Fault::WrongLidar {
-                what: "range_max",
-                found: scan.range_max_m,
-                expected,
-            });
+        let invalid = scan.ranges_m.iter().filter(|range| range.is_nan()).count();
+        if invalid as f64 > INVALID * all {
+            return Some(Fault::InvalidRanges(invalid as f64 / all));
         }
         let returns = (0..beams).filter(|beam| scan.measured_m(*beam).is_some());
         let returns = returns.count();
-        if returns == 0 || (returns as f64) < LEAST_RETURNS * beams as f64 {
-            return Some(Fault::NoReturns(returns));
+        let is_covered = returns == 0 || (returns as f64) < LEAST_RETURNS * all;
+        is_covered.then_some(Fault::NoReturns(returns))
+    }
+}
+
+impl Frames {
+    /// Returns the frames with a prefix before each name.
+    #[must_use]
+    pub fn with_prefix(self, prefix: &str) -> Self {
+        let all = |names: Vec<String>| names.iter().map(|name| format!("{prefix}{name}")).collect();
+        Self {
+            odom: format!("{prefix}{}", self.odom),
+            base: all(self.base),
+            scan: all(self.scan),
         }
-        of_frame("/scan", &scan.frame, &self.frames.scan)
+    }
+
+    /// Returns what is wrong with the frame of a scan.
+    pub(super) fn fault_of_scan(&self, found: &str) -> Option<Fault> {
+        of_frame("/scan", found, &self.scan)
     }
 }
 
@@ -191,12 +234,15 @@ pub fn of_stamps([topic, other]: [&'static str; 2], stamp_ns: u64, other_ns: u64
 }
 
 fn of_frame(topic: &'static str, found: &str, expected: &[String]) -> Option<Fault> {
-    // ROS 1 nodes and some drivers prefix frames with a slash.
-    let found_name = found.strip_prefix('/').unwrap_or(found);
-    let is_expected = expected.iter().any(|name| name == found_name);
+    let is_expected = expected.iter().any(|name| name == without_slash(found));
     (!is_expected).then(|| Fault::WrongFrame {
         topic,
         found: found.to_owned(),
         expected: format!("`{}`", expected.join("` or `")),
     })
+}
+
+/// Returns the name of a frame. ROS 1 nodes and some drivers begin it with a slash.
+pub fn without_slash(frame: &str) -> &str {
+    frame.strip_prefix('/').unwrap_or(frame)
 }

@@ -1,7 +1,5 @@
 //! The state machine that drives a robot with a policy.
 
-use std::borrow::Cow;
-
 use nalgebra::{Isometry2, Matrix3};
 use xcscr_sensing::Readings as StepOfSensors;
 
@@ -118,8 +116,8 @@ impl Driver {
     pub fn new(setup: DriveSetup) -> Self {
         let (physics, maze) = (&setup.physics, &setup.maze);
         Self {
-            watch: Watch::new(physics, setup.frames.clone()),
-            timeline: Timeline::new(physics.wheel_base_m, setup.laser_in_base),
+            watch: Watch::new(&setup),
+            timeline: Timeline::new(physics.wheel_base_m),
             pilot: Pilot::new(physics, maze),
             localisation: Localisation::new(physics.lidar.beams),
             obstacles: Obstacles::default(),
@@ -156,11 +154,7 @@ impl Driver {
     ///
     /// Call this when readings arrive, and at least every 50 ms.
     pub fn step(&mut self, steady_ns: u64, readings: &Readings) -> DriverStep {
-        let readings = match self.setup.reversed_scans {
-            true => Cow::Owned(readings.with_reversed_scans()),
-            false => Cow::Borrowed(readings),
-        };
-        let watched = self.watch.step(steady_ns, &readings);
+        let watched = self.watch.step(steady_ns, readings);
         self.take_in(&watched);
         let mut faults = watched.faults;
         if self.last_fault.is_none() {
@@ -198,9 +192,9 @@ impl Driver {
             self.timeline.add_imu(imu);
         }
         for scan in &watched.scans {
-            self.timeline.add_scan(scan);
-            self.obstacles
-                .see(scan, &self.timeline, &self.setup.laser_in_base);
+            let beams = self.timeline.add_scan(scan, self.setup.physics.lidar.beams);
+            self.localisation.set_beams(beams);
+            self.obstacles.see(scan, &self.timeline);
             self.has_scan = true;
         }
         if self.phase == Phase::Waiting {

@@ -41,7 +41,7 @@ pub enum Fault {
          --reversed-scans"
     )]
     ScanAhead(f64),
-    /// This share of a scan's ranges is not a number, or the scan has no ranges.
+    /// This share of a scan's ranges is not a number.
     #[error("{:.0} % of the ranges of a scan are not a number", 100.0 * .0)]
     InvalidRanges(f64),
     /// Hardly any beam of a scan returned: this many.
@@ -78,18 +78,24 @@ pub enum Fault {
         /// The expected frame.
         expected: String,
     },
-    /// The lidar differs from the one the policy was trained with.
-    #[error(
-        "another lidar than the policy was trained with: {what} {found}, but {expected} in the profile"
-    )]
+    /// A property of a scan does not suit the policy.
+    #[error("the {what} of /scan is {found:.3}, but must be from {least:.3} to {most:.3}")]
     WrongLidar {
-        /// The property that differs.
+        /// The property with its unit.
         what: &'static str,
         /// The value in the scan.
         found: f64,
-        /// The value in the robot's profile.
-        expected: f64,
+        /// The least value that the policy can use.
+        least: f64,
+        /// The largest one.
+        most: f64,
     },
+    /// The pose of the lidar is unknown: the frame of its scans.
+    #[error("/tf_static has no transform from the robot to `{0}`; pass --laser X,Y,YAW")]
+    NoLaserPose(String),
+    /// The lidar is tilted by this angle in degrees.
+    #[error("the lidar is tilted by {0:.0} degrees; mount it level or upside down")]
+    TiltedLidar(f64),
     /// A publisher or subscriber of a topic is incompatible with the driver.
     #[error("{topic} has an incompatible quality of service: {cause}")]
     WrongQos {
@@ -141,6 +147,8 @@ impl Fault {
             | Self::InvalidImu(_)
             | Self::WrongFrame { .. }
             | Self::WrongLidar { .. }
+            | Self::NoLaserPose(_)
+            | Self::TiltedLidar(_)
             | Self::WrongQos { .. }
             | Self::OtherPublisher(_) => false,
         }

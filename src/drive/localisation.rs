@@ -53,6 +53,11 @@ impl Localisation {
         }
     }
 
+    /// Sets the number of beams in the next turns.
+    pub fn set_beams(&mut self, beams: usize) {
+        self.beams = beams;
+    }
+
     /// Compares the beams of a step of the onboard computer. `pose` is the estimate at the end of
     /// the step in the grid frame, and `moved` the motion during the step.
     pub fn step(

@@ -3,7 +3,7 @@
 
 use nalgebra::{Isometry2, Point2, Vector2};
 
-use super::readings::Scan;
+use super::mounting::MountedScan;
 use super::timeline::{Timeline, beam_time_ns};
 
 /// The number of beams that must end in the path, because a single beam may be wrong.
@@ -32,7 +32,11 @@ pub struct Braking {
 
 impl Obstacles {
     /// Stores the end points of a scan's beams.
-    pub fn see(&mut self, scan: &Scan, timeline: &Timeline, laser_in_base: &Isometry2<f64>) {
+    pub fn see(&mut self, mounted: &MountedScan, timeline: &Timeline) {
+        let MountedScan {
+            scan,
+            laser_in_base,
+        } = mounted;
         self.points.clear();
         for number in 0..scan.ranges_m.len() {
             let base = timeline.pose_at(beam_time_ns(scan, number));

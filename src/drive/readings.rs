@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::Isometry2;
+use nalgebra::{Isometry2, Isometry3};
 
 use crate::arena::{LidarParams, Speeds};
 
@@ -56,12 +56,15 @@ impl Scan {
         Some(range_m.max(self.range_min_m))
     }
 
-    /// Returns the scan in chronological order if its beams are listed from the last to the first,
-    /// and its stamp is the time of the last one.
+    /// Returns the scan in chronological order.
     #[must_use]
-    pub fn reversed(&self) -> Self {
+    pub fn in_order(&self, order: ScanOrder) -> Self {
         let last = self.ranges_m.len().saturating_sub(1) as f64;
-        let turn_ns = (last * self.time_increment_s.max(0.0) * 1e9).round() as u64;
+        let turn_ns = match order {
+            ScanOrder::Forward => return self.clone(),
+            ScanOrder::Reversed => (last * self.time_increment_s.max(0.0) * 1e9).round() as u64,
+            ScanOrder::ReversedFromFirst => 0,
+        };
         Self {
             stamp_ns: self.stamp_ns.saturating_sub(turn_ns),
             angle_min_rad: self.angle_min_rad + last * self.angle_increment_rad,
@@ -69,6 +72,44 @@ impl Scan {
             ranges_m: self.ranges_m.iter().rev().copied().collect(),
             ..self.clone()
         }
+    }
+}
+
+/// The order in which scans list their beams.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ScanOrder {
+    /// From the first to the last. The stamp is the time of the first.
+    #[default]
+    Forward,
+    /// From the last to the first. The stamp is the time of the last. The drivers of the LDS-01, LDS-02
+    /// and LDS-03 do so.
+    Reversed,
+    /// From the last to the first. The stamp is the time of the first. The driver of the RPLIDAR does
+    /// so.
+    ReversedFromFirst,
+}
+
+/// The pose of a frame in its parent (`geometry_msgs/msg/TransformStamped`).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Transform {
+    /// The name of the parent.
+    pub parent: String,
+    /// The name of the frame.
+    pub child: String,
+    /// The pose of the frame in its parent, in metres. Its rotation is not a number if the message has
+    /// none.
+    pub pose: Isometry3<f64>,
+}
+
+impl Transform {
+    /// Returns true if all values are numbers.
+    pub fn is_valid(&self) -> bool {
+        let Isometry3 {
+            rotation,
+            translation,
+        } = &self.pose;
+        let mut numbers = rotation.coords.iter().chain(translation.vector.iter());
+        numbers.all(|number| number.is_finite())
     }
 }
 
@@ -114,6 +155,8 @@ pub struct Readings {
     pub odometry: Vec<Odometry>,
     /// The gyro.
     pub imu: Vec<Imu>,
+    /// The transforms of `/tf_static`.
+    pub static_transforms: Vec<Transform>,
     /// The last message on `/clock`, for a robot in simulated time; `None` if the robot uses the
     /// clock of this machine.
     pub clock_ns: Option<u64>,
@@ -122,12 +165,14 @@ pub struct Readings {
 }
 
 impl Readings {
-    /// Returns the readings with [reversed](Scan::reversed) scans.
-    #[must_use]
-    pub fn with_reversed_scans(&self) -> Self {
-        Self {
-            scans: self.scans.iter().map(Scan::reversed).collect(),
-            ..self.clone()
-        }
+    /// Puts earlier readings, with no odometry and no scans, before these.
+    #[cfg(feature = "ros2")]
+    pub(crate) fn follow(&mut self, mut earlier: Self) {
+        earlier.imu.append(&mut self.imu);
+        earlier
+            .static_transforms
+            .append(&mut self.static_transforms);
+        self.imu = earlier.imu;
+        self.static_transforms = earlier.static_transforms;
     }
 }

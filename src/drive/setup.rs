@@ -4,6 +4,7 @@ use nalgebra::{Isometry2, Vector2};
 use serde_json::Value;
 
 use super::checks::Frames;
+use super::readings::ScanOrder;
 use crate::agent::Knowledge;
 use crate::arena::{ArenaKind, Localisation, PhysicsParams, check_fit};
 use crate::sensor::Sensor;
@@ -21,9 +22,9 @@ pub struct DriveSetup {
     pub(super) step_threshold: u32,
     pub(super) seed: u64,
     pub(super) start_in_grid: Isometry2<f64>,
-    pub(super) laser_in_base: Isometry2<f64>,
+    pub(super) laser_in_base: Option<Isometry2<f64>>,
     pub(super) frames: Frames,
-    pub(super) reversed_scans: bool,
+    pub(super) scan_order: ScanOrder,
 }
 
 /// Differences between a drive and the run whose policy it uses.
@@ -36,13 +37,13 @@ pub struct DriveOptions {
     /// The start pose in the map frame: x and y in metres, and the heading in radians. `None` for
     /// the middle of the start cell, heading along the rows of the maze.
     pub start: Option<[f64; 3]>,
-    /// The pose of the lidar on the robot: x and y in metres, and the heading in radians.
-    pub laser: [f64; 3],
+    /// The pose of the lidar on the robot: x and y in metres, and the heading in radians. `None` takes
+    /// the pose, and the name of the frame, from the static transforms.
+    pub laser: Option<[f64; 3]>,
     /// The expected frames of messages.
     pub frames: Frames,
-    /// Scans list their beams from the last to the first, and their stamp is the time of the last
-    /// one. The drivers of the LDS-01 and the LDS-02 do so.
-    pub reversed_scans: bool,
+    /// The order in which scans list their beams.
+    pub scan_order: ScanOrder,
 }
 
 impl DriveSetup {
@@ -89,9 +90,9 @@ impl DriveSetup {
         knowledge.check(config.sensor, &maze)?;
         Ok(Self {
             start_in_grid: start(&maze, options.start)?,
-            laser_in_base: pose(options.laser),
+            laser_in_base: options.laser.map(pose),
             frames: options.frames,
-            reversed_scans: options.reversed_scans,
+            scan_order: options.scan_order,
             sensor: config.sensor,
             step_threshold: config.settings.reward.step_threshold,
             seed: config.seed,

@@ -5,10 +5,12 @@
 //! provides the motion since then ([`Timeline::since`]).
 
 use std::collections::VecDeque;
+use std::f64::consts::TAU;
 
 use nalgebra::{Isometry2, UnitComplex, Vector2};
 use xcscr_sensing::{Return, STEP_S};
 
+use super::mounting::MountedScan;
 use super::readings::{Imu, Odometry, Scan};
 use crate::arena::Speeds;
 
@@ -16,6 +18,8 @@ use crate::arena::Speeds;
 pub const STEP_NS: u64 = (STEP_S * 1e9) as u64;
 /// The longest gap between two gyro readings across which the turn rate is known.
 const GYRO_GAP_NS: u64 = 75_000_000;
+/// The rounding error of a direction, in steps between two beams. Messages have numbers of 32 bits.
+const ROUNDED: f64 = 1e-3;
 /// The maximum lag of the onboard computer without scans.
 const MOST_LAG_NS: u64 = 2_000_000_000;
 
@@ -55,7 +59,6 @@ pub struct StepReadings {
 #[derive(Debug)]
 pub struct Timeline {
     wheel_base_m: f64,
-    laser_in_base: Isometry2<f64>,
     samples: VecDeque<OdometrySample>,
     /// The integrated gyro: the time, and the angle turned.
     gyro: VecDeque<(u64, f64)>,
@@ -67,12 +70,10 @@ pub struct Timeline {
 }
 
 impl Timeline {
-    /// Creates an empty timeline for a robot with this distance between its wheels, in metres, and
-    /// this lidar pose.
-    pub fn new(wheel_base_m: f64, laser_in_base: Isometry2<f64>) -> Self {
+    /// Creates an empty timeline for a robot with this distance between its wheels, in metres.
+    pub fn new(wheel_base_m: f64) -> Self {
         Self {
             wheel_base_m,
-            laser_in_base,
             samples: VecDeque::new(),
             gyro: VecDeque::new(),
             beams: VecDeque::new(),
@@ -119,13 +120,19 @@ impl Timeline {
         self.gyro.push_back((imu.stamp_ns, angle_rad));
     }
 
-    /// Adds a lidar turn, which must be newer than all earlier turns.
-    pub fn add_scan(&mut self, scan: &Scan) {
-        for number in 0..scan.ranges_m.len() {
-            let (bearing, range_m) = self.beam(scan, number);
+    /// Adds a lidar turn, which must be newer than all earlier turns. The onboard computer counts `beams`
+    /// directions in a turn, and gets the beam nearest to each. Returns their number.
+    pub fn add_scan(&mut self, mounted: &MountedScan, beams: u32) -> usize {
+        let MountedScan {
+            scan,
+            laser_in_base,
+        } = mounted;
+        let nearest = resampled(scan, beams);
+        for &(index, number) in &nearest {
+            let (bearing, range_m) = beam(scan, laser_in_base, index);
             self.beams.push_back(Beam {
-                time_ns: beam_time_ns(scan, number),
-                number: number as u32,
+                time_ns: beam_time_ns(scan, index),
+                number,
                 bearing,
                 range_m,
             });
@@ -135,28 +142,7 @@ impl Timeline {
         let rest_ns = if apart_ns == 0 { STEP_NS } else { apart_ns };
         // A margin for rounding, so that the last step of a turn is not delayed.
         self.horizon_ns = last_ns + rest_ns + 1_000;
-    }
-
-    /// Returns the direction of a beam relative to the robot's heading, and its range from the
-    /// robot's centre.
-    fn beam(&self, scan: &Scan, number: usize) -> (UnitComplex<f64>, Option<f64>) {
-        let angle_rad = scan.angle_min_rad + number as f64 * scan.angle_increment_rad;
-        let (sine, cosine) = libm::sincos(angle_rad);
-        let direction = self.laser_in_base.rotation * Vector2::new(cosine, sine);
-        let bearing =
-            |v: Vector2<f64>| UnitComplex::new_normalize(nalgebra::Complex::new(v.x, v.y));
-        let Some(range_m) = scan.measured_m(number) else {
-            return (bearing(direction), None);
-        };
-        if scan.ranges_m[number] < scan.range_min_m {
-            return (bearing(direction), Some(f64::NEG_INFINITY));
-        }
-        let end = self.laser_in_base.translation.vector + range_m * direction;
-        let far_m = end.norm();
-        match far_m > 0.0 {
-            true => (bearing(end), Some(far_m)),
-            false => (bearing(direction), None),
-        }
+        nearest.len()
     }
 
     /// Starts the onboard computer at a time.
@@ -296,6 +282,54 @@ impl Timeline {
         while self.gyro.get(1).is_some_and(|g| g.0 <= from_ns) {
             self.gyro.pop_front();
         }
+    }
+}
+
+/// Returns the beams of a scan that are the nearest ones to the directions of a turn, in the order of
+/// the scan: the index in the scan and the number of the direction.
+fn resampled(scan: &Scan, beams: u32) -> Vec<(usize, u32)> {
+    let step_rad = TAU / f64::from(beams);
+    let mut nearest: Vec<Option<(f64, usize)>> = vec![None; beams as usize];
+    for index in 0..scan.ranges_m.len() {
+        let angle_rad = scan.angle_min_rad + index as f64 * scan.angle_increment_rad;
+        let place = angle_rad / step_rad;
+        let off = (place - place.round()).abs();
+        // The checked angles are a few turns at most.
+        let number = place.round().rem_euclid(f64::from(beams)) as usize;
+        if nearest[number].is_none_or(|(least, _)| off < least - ROUNDED) {
+            nearest[number] = Some((off, index));
+        }
+    }
+    let numbered = nearest.iter().zip(0..);
+    let mut all: Vec<_> = numbered
+        .filter_map(|(nearest, number)| Some((nearest.as_ref()?.1, number)))
+        .collect();
+    all.sort_unstable();
+    all
+}
+
+/// Returns the direction of a beam relative to the robot's heading, and its range from the robot's
+/// centre.
+fn beam(
+    scan: &Scan,
+    laser_in_base: &Isometry2<f64>,
+    index: usize,
+) -> (UnitComplex<f64>, Option<f64>) {
+    let angle_rad = scan.angle_min_rad + index as f64 * scan.angle_increment_rad;
+    let (sine, cosine) = libm::sincos(angle_rad);
+    let direction = laser_in_base.rotation * Vector2::new(cosine, sine);
+    let bearing = |v: Vector2<f64>| UnitComplex::new_normalize(nalgebra::Complex::new(v.x, v.y));
+    let Some(range_m) = scan.measured_m(index) else {
+        return (bearing(direction), None);
+    };
+    if scan.ranges_m[index] < scan.range_min_m {
+        return (bearing(direction), Some(f64::NEG_INFINITY));
+    }
+    let end = laser_in_base.translation.vector + range_m * direction;
+    let far_m = end.norm();
+    match far_m > 0.0 {
+        true => (bearing(end), Some(far_m)),
+        false => (bearing(direction), None),
     }
 }
 

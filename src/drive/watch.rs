@@ -2,11 +2,12 @@
 
 use nalgebra::Isometry2;
 
-use super::checks::{Checks, Frames, of_stamps};
+use super::checks::{Checks, of_stamps};
 use super::fault::Fault;
-use super::readings::{Imu, Odometry, Readings, Scan};
+use super::mounting::{MountedScan, Mounting};
+use super::readings::{Imu, Odometry, Readings, Scan, ScanOrder};
+use super::setup::DriveSetup;
 use super::timeline::beam_time_ns;
-use crate::arena::PhysicsParams;
 
 const SECOND_NS: f64 = 1e9;
 /// The maximum age of odometry in nanoseconds: three control periods.
@@ -31,6 +32,10 @@ struct Seen {
 #[derive(Debug)]
 pub struct Watch {
     checks: Checks,
+    mounting: Mounting,
+    order: ScanOrder,
+    /// The longest range of the profile's lidar.
+    range_m: f64,
     /// The maximum age of scans.
     most_scan_ns: u64,
     begun_ns: Option<u64>,
@@ -50,17 +55,22 @@ pub struct Watch {
 /// The usable readings, and the faults.
 #[derive(Debug, Default)]
 pub struct Watched<'a> {
-    pub scans: Vec<&'a Scan>,
+    pub scans: Vec<MountedScan>,
     pub odometry: Vec<&'a Odometry>,
     pub imu: Vec<&'a Imu>,
     pub faults: Vec<Fault>,
 }
 
 impl Watch {
-    /// Creates a monitor for a robot with these settings and these frames.
-    pub fn new(physics: &PhysicsParams, frames: Frames) -> Self {
+    /// Creates a monitor for the robot of a drive.
+    pub fn new(setup: &DriveSetup) -> Self {
+        let (physics, frames) = (&setup.physics, &setup.frames);
+        let cell_size_m = setup.maze.cell_size_m();
         Self {
-            checks: Checks::new(physics, frames),
+            checks: Checks::new(physics, cell_size_m, frames.clone()),
+            mounting: Mounting::new(setup.laser_in_base, frames.clone()),
+            order: setup.scan_order,
+            range_m: physics.lidar.range_m,
             most_scan_ns: (TURNS * SECOND_NS / physics.lidar.rate_hz) as u64,
             pose: None,
             begun_ns: None,
@@ -89,10 +99,12 @@ impl Watch {
                 watched.imu.push(imu);
             }
         }
+        for transform in &readings.static_transforms {
+            self.mounting.add(transform);
+        }
         for scan in &readings.scans {
-            if self.accepts_scan(scan, now_ns) {
-                watched.scans.push(scan);
-            }
+            let accepted = self.accepted(scan, now_ns);
+            watched.scans.extend(accepted);
         }
         let age = |seen: Option<Seen>| {
             let since_ns = seen.map_or(begun_ns, |seen| seen.arrived_ns);
@@ -205,25 +217,28 @@ impl Watch {
         self.imu_fault.is_none()
     }
 
-    /// Accepts a scan after the first odometry, because its beams need the poses of the robot.
-    fn accepts_scan(&mut self, scan: &Scan, arrived_ns: u64) -> bool {
+    /// Accepts a scan after the first odometry, because its beams need the poses of the robot. Returns it
+    /// in chronological order, without ranges that the robot of the policy cannot measure.
+    fn accepted(&mut self, scan: &Scan, arrived_ns: u64) -> Option<MountedScan> {
         self.scan_fault = self.checks.scan(scan);
+        let odometry = self.odometry.filter(|_| self.scan_fault.is_none())?;
+        let mut scan = scan.in_order(self.order);
+        scan.range_max_m = scan.range_max_m.min(self.range_m);
         let seen = Seen {
             stamp_ns: scan.stamp_ns,
             arrived_ns,
         };
-        let Some(odometry) = self.odometry.filter(|_| self.scan_fault.is_none()) else {
-            return false;
+        if !self.follow("/scan", self.scan, seen) {
+            return None;
+        }
+        let mounted = match fault_of_times(&scan, arrived_ns, odometry) {
+            Some(fault) => Err(fault),
+            None => self.mounting.mounted(scan),
         };
-        let is_newer = self.follow("/scan", self.scan, seen);
-        if is_newer {
-            self.scan_fault = fault_of_times(scan, arrived_ns, odometry);
-        }
-        let is_accepted = is_newer && self.scan_fault.is_none();
-        if is_accepted {
-            self.scan = Some(seen);
-        }
-        is_accepted
+        self.scan_fault = mounted.as_ref().err().cloned();
+        let mounted = mounted.ok()?;
+        self.scan = Some(seen);
+        Some(mounted)
     }
 }
 

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use ros2_client::{Gid, Publisher, Subscription};
 use serde::Serialize;
 
-use super::link::{Link, STAMPED, TWIST, best_effort, drain, reliable};
+use super::link::{Link, STAMPED, TWIST, best_effort, drain, latched, reliable};
 use crate::arena::Speeds;
 use crate::drive::DriveBag;
 use crate::drive::drive_messages::{Clock, Imu, Text, Twist, TwistStamped};
@@ -24,6 +24,7 @@ const GRAPH: Duration = Duration::from_millis(100);
 const GRACE_PERIOD: Duration = Duration::from_millis(200);
 const SCAN: [&str; 2] = ["sensor_msgs", "LaserScan"];
 const ODOMETRY: [&str; 2] = ["nav_msgs", "Odometry"];
+const TRANSFORMS: [&str; 2] = ["tf2_msgs", "TFMessage"];
 
 /// A report of an event during a drive.
 #[derive(Debug)]
@@ -100,6 +101,7 @@ struct DriveNode {
     scan: Subscription<LaserScan>,
     odom: Subscription<Odometry>,
     imu: Subscription<Imu>,
+    tf_static: Subscription<Transforms>,
     clock: Option<Subscription<Clock>>,
     cmd_vel: Option<Velocity>,
     /// The message type of commands.
@@ -131,6 +133,7 @@ impl DriveNode {
             scan: link.subscription("scan", SCAN, &best_effort())?,
             odom: link.subscription("odom", ODOMETRY, &best_effort())?,
             imu: link.subscription("imu", ["sensor_msgs", "Imu"], &best_effort())?,
+            tf_static: link.subscription("tf_static", TRANSFORMS, &latched())?,
             clock: match options.sim_time {
                 true => Some(link.subscription("clock", clock, &best_effort())?),
                 false => None,
@@ -143,7 +146,7 @@ impl DriveNode {
             velocity: if options.stamped { STAMPED } else { TWIST },
             tf: match options.dry_run {
                 true => None,
-                false => Some(link.publisher("tf", ["tf2_msgs", "TFMessage"], &reliable())?),
+                false => Some(link.publisher("tf", TRANSFORMS, &reliable())?),
             },
             pose: link.publisher("xcscr/pose", pose, &reliable())?,
             decision: link.publisher("xcscr/decision", text, &reliable())?,
@@ -174,6 +177,11 @@ impl DriveNode {
                     .map(|(odometry, _)| odometry.into())
                     .collect(),
                 imu: imu.iter().map(|(imu, _)| imu.into()).collect(),
+                static_transforms: drain(&self.tf_static)
+                    .iter()
+                    .flat_map(|(message, _)| &message.transforms)
+                    .map(Into::into)
+                    .collect(),
                 clock_ns: self.clock_ns,
                 network: self.network.clone(),
             },
@@ -257,7 +265,7 @@ pub fn drive(
         node: RestAtEnd(DriveNode::open(options)?),
         driver,
         bag,
-        imu: Vec::new(),
+        waiting: Readings::default(),
         decisions: 0,
         faults: Vec::new(),
         latencies_ms: Vec::new(),
@@ -286,8 +294,8 @@ struct Drive {
     node: RestAtEnd,
     driver: Driver,
     bag: Option<DriveBag>,
-    /// Gyro readings waiting for odometry or a scan.
-    imu: Vec<crate::drive::Imu>,
+    /// Readings waiting for odometry or a scan.
+    waiting: Readings,
     decisions: u32,
     /// The names of the last reported faults.
     faults: Vec<&'static str>,
@@ -305,29 +313,31 @@ impl Drive {
         let (began, began_ns) = (Instant::now(), unix_ns());
         let mut last: Option<Instant> = None;
         loop {
-            let mut taken = self.node.0.take();
-            self.imu.append(&mut taken.readings.imu);
-            let readings = &mut taken.readings;
+            let Taken {
+                mut readings,
+                scan_sent_ns,
+            } = self.node.0.take();
+            readings.follow(std::mem::take(&mut self.waiting));
             let is_due = last.is_none_or(|at| at.elapsed() >= PERIOD);
             if readings.odometry.is_empty() && readings.scans.is_empty() && !is_due {
+                self.waiting = readings;
                 sleep(TICK);
                 continue;
             }
-            readings.imu = std::mem::take(&mut self.imu);
             if stop() {
                 self.driver.interrupt();
             }
             last = Some(Instant::now());
             let steady_ns = began_ns + began.elapsed().as_nanos() as u64;
-            let step = self.driver.step(steady_ns, readings);
+            let step = self.driver.step(steady_ns, &readings);
             self.node.0.publish(&step)?;
-            if let Some(sent_ns) = taken.scan_sent_ns.filter(|&sent_ns| sent_ns > 0) {
+            if let Some(sent_ns) = scan_sent_ns.filter(|&sent_ns| sent_ns > 0) {
                 let passed_ms = (unix_ns() as f64 - sent_ns as f64) * 1e-6;
                 self.latencies_ms.push(passed_ms);
             }
             self.report(&step, report);
             if let Some(bag) = &mut self.bag {
-                bag.step(steady_ns, readings, &step)?;
+                bag.step(steady_ns, &readings, &step)?;
             }
             let is_over = matches!(step.phase, Phase::AtGoal | Phase::OutOfSteps);
             if is_over || step.faults.iter().any(Fault::is_final) {

@@ -37,6 +37,14 @@ pub fn transient_local() -> QosProfile {
         .history(History::KeepLast { depth: 1 })
 }
 
+/// Quality of service for messages that were sent before the subscription.
+pub fn latched() -> QosProfile {
+    QosProfile::subscription_default()
+        .reliability_reliable(WhenFull::Fail)
+        .durability(Durability::TransientLocal)
+        .history(History::KeepLast { depth: 100 })
+}
+
 /// The package and the name of the message types of commands.
 pub const TWIST: [&str; 2] = ["geometry_msgs", "Twist"];
 pub const STAMPED: [&str; 2] = ["geometry_msgs", "TwistStamped"];

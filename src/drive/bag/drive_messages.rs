@@ -3,12 +3,14 @@
 
 use std::borrow::Cow;
 
-use nalgebra::{Complex, Isometry2, Translation2, UnitComplex};
+use nalgebra::{
+    Complex, Isometry2, Isometry3, Translation2, Translation3, UnitComplex, UnitQuaternion,
+};
 use serde::{Deserialize, Serialize};
 
 use super::messages::{
     BASE, EstimatedPose, Header, LaserScan, Odometry, Pose, PoseWithCovariance, Quaternion, Time,
-    TwistWithCovariance, UNKNOWN, Vector3, header, pose, time,
+    TransformStamped, Transforms, TwistWithCovariance, UNKNOWN, Vector3, header, pose, time,
 };
 use crate::arena::Speeds;
 use crate::drive::{self, Belief};
@@ -83,10 +85,7 @@ impl Pose {
     /// not a number if the orientation is no rotation.
     fn on_floor(&self) -> Isometry2<f64> {
         let Quaternion { x, y, z, w } = self.orientation;
-        let norm = (x * x + y * y + z * z + w * w).sqrt();
-        // Drivers round, but a quaternion of zeros is no rotation.
-        let is_rotation = (norm - 1.0).abs() < ROUNDED;
-        let heading = match is_rotation {
+        let heading = match self.orientation.is_rotation() {
             true => Complex::new(1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y)),
             false => Complex::new(f64::NAN, f64::NAN),
         };
@@ -94,6 +93,66 @@ impl Pose {
             Translation2::new(self.position.x, self.position.y),
             UnitComplex::new_normalize(heading),
         )
+    }
+}
+
+impl Quaternion {
+    /// Returns true for a rotation. Drivers round, but a quaternion of zeros is none.
+    fn is_rotation(self) -> bool {
+        let Self { x, y, z, w } = self;
+        let norm = (x * x + y * y + z * z + w * w).sqrt();
+        (norm - 1.0).abs() < ROUNDED
+    }
+}
+
+impl From<&TransformStamped> for drive::Transform {
+    fn from(message: &TransformStamped) -> Self {
+        let Pose {
+            position,
+            orientation,
+        } = message.transform;
+        let Quaternion { x, y, z, w } = orientation;
+        let rotation = match orientation.is_rotation() {
+            true => nalgebra::Quaternion::new(w, x, y, z),
+            false => nalgebra::Quaternion::new(f64::NAN, x, y, z),
+        };
+        Self {
+            parent: message.header.frame_id.to_string(),
+            child: message.child_frame_id.to_string(),
+            pose: Isometry3::from_parts(
+                Translation3::new(position.x, position.y, position.z),
+                UnitQuaternion::new_normalize(rotation),
+            ),
+        }
+    }
+}
+
+impl From<&[drive::Transform]> for Transforms {
+    fn from(all: &[drive::Transform]) -> Self {
+        let message = |transform: &drive::Transform| {
+            let at = transform.pose.translation;
+            let turn = transform.pose.rotation;
+            TransformStamped {
+                header: header(0, transform.parent.clone()),
+                child_frame_id: transform.child.clone().into(),
+                transform: Pose {
+                    position: Vector3 {
+                        x: at.x,
+                        y: at.y,
+                        z: at.z,
+                    },
+                    orientation: Quaternion {
+                        x: turn.i,
+                        y: turn.j,
+                        z: turn.k,
+                        w: turn.w,
+                    },
+                },
+            }
+        };
+        Self {
+            transforms: all.iter().map(message).collect(),
+        }
     }
 }
 

@@ -19,13 +19,14 @@ use crate::record::{fault, records};
 use crate::world::Maze;
 
 /// The topics of the file.
-const TOPICS: [BagTopic; 10] = [
+const TOPICS: [BagTopic; 11] = [
     BagTopic::Scan,
     BagTopic::Odom,
     BagTopic::Imu,
     BagTopic::Clock,
     BagTopic::CmdVel,
     BagTopic::Tf,
+    BagTopic::TfStatic,
     BagTopic::Pose,
     BagTopic::Map,
     BagTopic::Decision,
@@ -86,6 +87,10 @@ impl DriveBag {
         {
             self.clock_ns = readings.clock_ns;
             self.write(BagTopic::Clock, time_ns, &Clock::new(clock_ns))?;
+        }
+        if !readings.static_transforms.is_empty() {
+            let transforms = Transforms::from(&readings.static_transforms[..]);
+            self.write(BagTopic::TfStatic, time_ns, &transforms)?;
         }
         for odometry in &readings.odometry {
             self.write(BagTopic::Odom, time_ns, &Odometry::from(odometry))?;
@@ -166,7 +171,7 @@ fn most_kept(size: usize) -> usize {
 }
 
 impl DriveRecording {
-    /// Reads `/scan`, `/odom`, `/imu` and `/clock`, in any namespace, from an MCAP file in the
+    /// Reads `/scan`, `/odom`, `/imu`, `/tf_static` and `/clock`, in any namespace, from an MCAP file in the
     /// encoding of ROS 2.
     ///
     /// # Errors
@@ -223,6 +228,11 @@ impl DriveRecording {
                 self.at(time_ns, *clock_ns)
                     .odometry
                     .push((&odometry).into());
+            }
+            "tf_static" => {
+                let transforms = decoded::<Transforms>(data)?;
+                let all = &mut self.at(time_ns, *clock_ns).static_transforms;
+                all.extend(transforms.transforms.iter().map(Into::into));
             }
             "imu" => {
                 let imu = decoded::<Imu>(data)?;

@@ -4,6 +4,7 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum BagTopic {
     Tf,
+    TfStatic,
     Odom,
     Pose,
     Scan,
@@ -49,6 +50,7 @@ impl BagTopic {
     pub fn name(self) -> &'static str {
         match self {
             Self::Tf => "/tf",
+            Self::TfStatic => "/tf_static",
             Self::Odom => "/odom",
             Self::Pose => "/pose",
             Self::Scan => "/scan",
@@ -64,7 +66,7 @@ impl BagTopic {
     /// Returns the type of the topic's messages.
     pub fn interface(self) -> Interface {
         match self {
-            Self::Tf => interface!("tf2_msgs", "TFMessage"),
+            Self::Tf | Self::TfStatic => interface!("tf2_msgs", "TFMessage"),
             Self::Odom => interface!("nav_msgs", "Odometry"),
             Self::Pose => interface!("geometry_msgs", "PoseWithCovarianceStamped"),
             Self::Scan => interface!("sensor_msgs", "LaserScan"),
@@ -79,7 +81,7 @@ impl BagTopic {
     /// Returns the quality of service of the topic.
     pub fn qos(self) -> &'static str {
         match self {
-            Self::Map => qos!(1, 1),
+            Self::Map | Self::TfStatic => qos!(1, 1),
             _ => qos!(10, 2),
         }
     }

@@ -99,7 +99,7 @@ fn other_frames_and_another_lidar_are_faults() {
         let scans = readings.scans.iter_mut();
         scans.for_each(|scan| scan.frame = "camera".to_owned());
     });
-    assert_eq!(reported, ["wrong-frame"]);
+    assert_eq!(reported, ["no-laser-pose"]);
     let (_, reported) = fault(|readings| {
         let scans = readings.scans.iter_mut();
         scans.for_each(|scan| scan.ranges_m.truncate(20));
@@ -107,7 +107,7 @@ fn other_frames_and_another_lidar_are_faults() {
     assert_eq!(reported, ["wrong-lidar"]);
     let (_, reported) = fault(|readings| {
         let scans = readings.scans.iter_mut();
-        scans.for_each(|scan| scan.range_max_m = 3.5);
+        scans.for_each(|scan| scan.range_max_m = 2.5);
     });
     assert_eq!(reported, ["wrong-lidar"]);
     let mut rig = Rig::maze4();

@@ -1,22 +1,23 @@
 //! The driver and the simulated robot in lockstep.
 
+mod bags;
 mod faults;
+mod lidars;
 mod maps;
 mod messages;
 mod scans;
 
 use std::f64::consts::FRAC_PI_2;
 
+use nalgebra::Isometry3;
+
 use xcscr::agent::Knowledge;
 use xcscr::arena::{Outcome, Speeds};
 use xcscr::drive::*;
-use xcscr::drive::{DriveBag, DriveRecording};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Plan, RobotProfile};
 use xcscr::world::{Cell, Maze, Paths};
 use xcscr::xcs::Action;
-
-use crate::kit::desk::Desk;
 
 const STEP_NS: u64 = 50_000_000;
 
@@ -40,10 +41,21 @@ fn policy(maze: Maze, wrong: impl Fn(Cell) -> bool) -> (Plan, Knowledge) {
     (plan, knowledge)
 }
 
+/// The lidar in the middle of the robot.
+fn mount() -> Transform {
+    Transform {
+        parent: "base_link".to_owned(),
+        child: "base_scan".to_owned(),
+        pose: Isometry3::identity(),
+    }
+}
+
 /// A simulated robot and a driver that exchange messages only.
 struct Rig {
     robot: SimulatedRobot,
     driver: Driver,
+    /// The pose of the lidar.
+    mount: Transform,
     /// The steady clock, which starts at another time than simulated time.
     now_ns: u64,
 }
@@ -56,6 +68,7 @@ impl Rig {
         Self {
             robot: SimulatedRobot::new(maze, &physics, seed, None).unwrap(),
             driver: Driver::new(setup),
+            mount: mount(),
             now_ns: 7_000_000_000,
         }
     }
@@ -75,6 +88,7 @@ impl Rig {
         self.now_ns += STEP_NS;
         let mut readings = Readings {
             scans: scan.into_iter().collect(),
+            static_transforms: vec![self.mount.clone()],
             odometry: vec![odometry],
             imu: imu.into_iter().collect(),
             ..Readings::default()
@@ -164,70 +178,6 @@ fn the_same_readings_give_the_same_decisions() {
     let words = &decisions[0].words;
     assert!(words.starts_with("cell 1,1: east"), "{words}");
     assert!(words.contains("seen: "), "{words}");
-}
-
-#[test]
-fn a_recorded_drive_gives_the_same_decisions_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("drive.mcap");
-    let mut rig = Rig::maze4();
-    let mut bag = DriveBag::create(&file, false, &maze4(), rig.now_ns).unwrap();
-    let (mut readings, mut decisions) = (Readings::default(), Vec::new());
-    for _ in 0..300 {
-        let step = rig.tick(|arrived| readings = arrived.clone());
-        bag.step(rig.now_ns, &readings, &step).unwrap();
-        decisions.extend(step.decision.map(|decision| decision.words));
-    }
-    bag.finish().unwrap();
-    assert!(decisions.len() > 5, "control: {decisions:?}");
-    let recording = DriveRecording::read(&file).unwrap();
-    assert_eq!(recording.decisions, decisions);
-    let mut again = Rig::maze4().driver;
-    let steps = recording
-        .readings
-        .iter()
-        .map(|(at, all)| again.step(*at, all));
-    let words: Vec<String> = steps
-        .filter_map(|step| Some(step.decision?.words))
-        .collect();
-    assert_eq!(words, decisions);
-    let refused = DriveBag::create(&file, false, &maze4(), 0);
-    assert!(refused.is_err(), "an earlier recording is kept");
-}
-
-/// Writes a bag of a robot that drives for some steps, without the decisions of its driver.
-fn write_bag(desk: &Desk, name: &str, steps: usize, tamper: impl Fn(&mut Readings)) {
-    let mut rig = Rig::maze4();
-    let mut bag = DriveBag::create(&desk.path(name), false, &maze4(), rig.now_ns).unwrap();
-    for _ in 0..steps {
-        let mut readings = Readings::default();
-        let step = rig.tick(|arrived| {
-            tamper(arrived);
-            readings = arrived.clone();
-        });
-        let step = DriverStep {
-            decision: None,
-            ..step
-        };
-        bag.step(rig.now_ns, &readings, &step).unwrap();
-    }
-    bag.finish().unwrap();
-}
-
-#[test]
-fn a_bag_that_leads_to_no_decision_ends_with_an_error() {
-    let desk = Desk::new();
-    desk.train("run", "maze4 --arena physics --episodes 1 --record none");
-    write_bag(&desk, "sound.mcap", 100, |_| ());
-    write_bag(&desk, "blind.mcap", 100, |readings| readings.scans.clear());
-    write_bag(&desk, "empty.mcap", 0, |_| ());
-    let control = desk.ok("drive @run --bag @sound.mcap");
-    assert!(control.ends_with(" decisions\n"), "{control}");
-    for (bag, fault) in [("blind", "stops: "), ("empty", "")] {
-        let (stdout, stderr) = desk.run(1, &format!("drive @run --bag @{bag}.mcap"));
-        assert!(stdout.contains(fault), "{stdout}");
-        assert!(stderr.contains("led to no decision"), "{stderr}");
-    }
 }
 
 #[test]

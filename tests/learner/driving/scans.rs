@@ -9,14 +9,20 @@ pub fn burger(seed: u64, options: DriveOptions) -> Rig {
 
 /// Creates a TurtleBot3 Burger in a world. Its lidar has a range of 3.5 m.
 pub fn burger_in(maze: Maze, seed: u64, options: DriveOptions) -> Rig {
+    rig_of("turtlebot3-burger", maze, seed, options)
+}
+
+/// Creates the robot of a profile in a world.
+pub fn rig_of(profile: &str, maze: Maze, seed: u64, options: DriveOptions) -> Rig {
     let (mut plan, knowledge) = policy(maze, |_| false);
-    let profile = RobotProfile::load("turtlebot3-burger").unwrap();
+    let profile = RobotProfile::load(profile).unwrap();
     plan.config.settings = profile.settings_over(&plan.config.settings).unwrap();
     let physics = plan.config.settings.physics.clone();
     let setup = DriveSetup::new(&plan, &knowledge, options).unwrap();
     Rig {
         robot: SimulatedRobot::new(plan.maze, &physics, seed, None).unwrap(),
         driver: Driver::new(setup),
+        mount: mount(),
         now_ns: 7_000_000_000,
     }
 }
@@ -32,10 +38,11 @@ fn zeros(readings: &mut Readings) -> usize {
 }
 
 /// Lists the beams of a scan from the last to the first, with the time of the last one as the stamp.
-fn reverse(readings: &mut Readings) {
+pub fn reverse(readings: &mut Readings) {
     for scan in &mut readings.scans {
-        let turn_ns = 359.0 * scan.time_increment_s * 1e9;
-        let backward = scan.reversed();
+        let after_first = (scan.ranges_m.len() - 1) as f64;
+        let turn_ns = after_first * scan.time_increment_s * 1e9;
+        let backward = scan.in_order(ScanOrder::ReversedFromFirst);
         *scan = Scan {
             stamp_ns: scan.stamp_ns + turn_ns.round() as u64,
             ..backward
@@ -44,7 +51,7 @@ fn reverse(readings: &mut Readings) {
 }
 
 /// Drives to the end with tampered readings. Returns the last step.
-fn drive_with(rig: &mut Rig, mut tamper: impl FnMut(&mut Readings)) -> DriverStep {
+pub fn drive_with(rig: &mut Rig, mut tamper: impl FnMut(&mut Readings)) -> DriverStep {
     for _ in 0..8_000 {
         let step = rig.tick(&mut tamper);
         let has_failed = step.faults.iter().any(Fault::is_final);
@@ -91,7 +98,7 @@ fn scans_of_the_lds_01_need_an_option_and_reach_the_goal_with_it() {
     };
     for seed in 1..=3 {
         let options = DriveOptions {
-            reversed_scans: true,
+            scan_order: ScanOrder::Reversed,
             ..DriveOptions::default()
         };
         let step = drive_with(&mut burger(seed, options), as_published);
