@@ -45,7 +45,7 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
 }
 
 /// Rejects file names that do not end in `.svg`.
-fn require_svg(file: &Path) -> Result<(), Failure> {
+pub(super) fn require_svg(file: &Path) -> Result<(), Failure> {
     let extension = file.extension().unwrap_or_default();
     if extension.eq_ignore_ascii_case("svg") {
         return Ok(());

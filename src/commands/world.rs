@@ -6,6 +6,7 @@ use clap::Subcommand;
 use serde::Serialize;
 use xcscr::ErrorKind;
 use xcscr::arena::Agreement;
+use xcscr::picture::world_picture;
 use xcscr::sensor::{AliasedCells, Sensor};
 use xcscr::trial::{Bounds, PlanError, RobotProfile, Settings};
 use xcscr::world::{Cell, Facts, Maze, MazeKind, Origin, Recipe};
@@ -13,7 +14,8 @@ use xcscr::world::{Cell, Facts, Maze, MazeKind, Origin, Recipe};
 use super::choices;
 use super::convert::{self, ConvertArgs};
 use super::failure::Failure;
-use super::output::print_json;
+use super::map;
+use super::output::{OutputFile, print_json};
 use super::results::Results;
 use super::terminal::write_words;
 
@@ -32,10 +34,13 @@ pub enum WorldCommand {
         #[arg(long, value_name = "NAME|FILE")]
         robot: Option<String>,
     },
-    /// Draw a world in the terminal.
+    /// Draw a world in the terminal, or as a picture.
     Show {
         /// A world file.
         file: PathBuf,
+        /// Picture to write in place of the drawing: an .svg file that does not exist yet.
+        #[arg(short, long, value_name = "FILE")]
+        output: Option<PathBuf>,
     },
     /// Show size, goals, shortest paths, and cells with the same percept.
     Info {
@@ -79,9 +84,12 @@ pub fn run(command: WorldCommand, out: &mut Results) -> Result<(), Failure> {
             let robot = robot.as_deref().map(RobotProfile::load).transpose()?;
             check(&files, robot.as_ref(), out)
         }
-        WorldCommand::Show { file } => {
+        WorldCommand::Show { file, output } => {
             let maze = choices::world(&file)?;
-            Ok(write!(out, "{}", maze.drawn(|_| None))?)
+            match output {
+                Some(picture) => draw(&maze, &picture),
+                None => Ok(write!(out, "{}", maze.drawn(|_| None))?),
+            }
         }
         WorldCommand::Generate(GenerateArgs { kind, size, seed }) => {
             let maze = Recipe { kind, size, seed }.maze();
@@ -106,6 +114,20 @@ pub fn run(command: WorldCommand, out: &mut Results) -> Result<(), Failure> {
             }
         }
     }
+}
+
+/// Writes the picture of a world.
+fn draw(maze: &Maze, picture: &Path) -> Result<(), Failure> {
+    map::require_svg(picture)?;
+    let file = OutputFile::free(picture, false)?;
+    let facts = Facts::new(maze);
+    let caption = format!(
+        "{} x {} cells, {}",
+        facts.width,
+        facts.height,
+        shortest(&facts)
+    );
+    file.write(world_picture(maze, caption)?.as_bytes())
 }
 
 fn check(

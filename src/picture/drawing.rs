@@ -36,6 +36,8 @@ pub(super) const HEAD: f64 = 62.0;
 const FOOT: f64 = 90.0;
 /// Least width that fits the text.
 const LEAST_WIDTH: f64 = 544.0;
+/// Least width of the picture of a world.
+const LEAST_WORLD_WIDTH: f64 = 360.0;
 /// Edge of a cell. It is smaller in mazes that would exceed [`MOST`].
 const CELL: f64 = 64.0;
 const MOST: f64 = 1280.0;
@@ -71,6 +73,29 @@ pub(super) fn draw(picture: &PolicyPicture) -> Drawing {
         height: height as u32,
         title: picture.title.clone(),
         definitions: ARROW,
+        elements,
+    }
+}
+
+/// Draws a world without a policy.
+pub(super) fn draw_world(maze: &Maze, caption: String) -> Drawing {
+    let cell = cell_px(maze, 1);
+    let [wide, high] = [maze.width(), maze.height()].map(|cells| f64::from(cells) * cell);
+    let width = (wide + 2.0 * MARGIN).max(LEAST_WORLD_WIDTH);
+    let height = HEAD + high + MARGIN;
+    let left = ((width - wide) / 2.0).floor();
+    let plane = Plane { maze, cell, left };
+    let mut elements = vec![block(0.0, 0.0, width, height, PAPER)];
+    elements.extend(plane.ground());
+    elements.extend(plane.cells(&[]));
+    elements.extend(plane.letters());
+    elements.push(words(MARGIN, 26.0, 17.0, INK, maze.name()));
+    elements.push(words(MARGIN, 46.0, 13.0, FAINT, caption));
+    Drawing {
+        width: width as u32,
+        height: height as u32,
+        title: maze.name().to_owned(),
+        definitions: "",
         elements,
     }
 }
@@ -118,8 +143,18 @@ impl Plane<'_> {
 
     /// Returns visited cells, path and arrows, and the letters of marked cells.
     fn episode(&self, frame: &Moment) -> Vec<Element> {
+        let mut shapes = self.cells(&frame.visited);
+        let path = frame.greedy_path.iter().map(|&cell| self.centre(cell));
+        shapes.push(path_line(&path.collect::<Vec<_>>(), 0.12 * self.cell));
+        shapes.extend(self.arrows(frame));
+        shapes.extend(self.letters());
+        shapes
+    }
+
+    /// Returns the cells, the marked ones in their colours, and walls in their true shape.
+    fn cells(&self, visited: &[Cell]) -> Vec<Element> {
         let mut shapes = Vec::new();
-        let visited = frame.visited.iter().map(|&cell| self.maze.index(cell));
+        let visited = visited.iter().map(|&cell| self.maze.index(cell));
         let visited: BTreeSet<usize> = visited.collect();
         for cell in self.maze.free_cells() {
             let was_here = visited.contains(&self.maze.index(cell));
@@ -133,10 +168,6 @@ impl Plane<'_> {
         let tile = |(cell, fill, _)| self.tile(cell, 0.06 * self.cell, fill);
         shapes.extend(self.marked().map(tile));
         shapes.extend(self.true_walls());
-        let path = frame.greedy_path.iter().map(|&cell| self.centre(cell));
-        shapes.push(path_line(&path.collect::<Vec<_>>(), 0.12 * self.cell));
-        shapes.extend(self.arrows(frame));
-        shapes.extend(self.letters());
         shapes
     }
 

@@ -1,4 +1,4 @@
-//! Pictures of the policy over the maze, and of the values behind it (Figures 2 and 5 of the paper).
+//! Pictures of worlds (Figure 3 of the paper), of the policy, and of the values behind it (Figures 2 and 5).
 
 mod action_values;
 mod camera;
@@ -12,4 +12,4 @@ mod true_walls;
 pub(crate) use camera::{Camera, Stages};
 pub(crate) use colours::css;
 pub use map_preview::map_preview;
-pub use policy_picture::{Look, PolicyPicture};
+pub use policy_picture::{Look, PolicyPicture, world_picture};

@@ -59,7 +59,10 @@ impl PolicyPicture {
         look: Look,
         watch: impl FnOnce(&mut dyn Observer) -> Result<Knowledge, Error>,
     ) -> Result<Self, Error> {
-        check_size(&plan.maze)?;
+        check_size(
+            &plan.maze,
+            "; `xcscr rules RUN --cell COL,ROW` shows what was learned in one cell",
+        )?;
         let episodes = plan.config.episodes;
         let last = after.unwrap_or(episodes);
         if !(1..=episodes).contains(&last) {
@@ -86,16 +89,25 @@ impl PolicyPicture {
     }
 }
 
-/// Rejects a maze of more than [`MOST_CELLS`] cells, and suggests what to do instead.
-fn check_size(maze: &Maze) -> Result<(), Error> {
+/// Draws a world as an SVG document (Figure 3 of the paper): its walls, the start and the goals, with a caption below
+/// its name. The same world gives the same bytes.
+///
+/// # Errors
+/// When the world has more than a million cells.
+pub fn world_picture(maze: &Maze, caption: String) -> Result<String, Error> {
+    check_size(maze, "")?;
+    Ok(drawing::draw_world(maze, caption).document())
+}
+
+/// Rejects a maze of more than [`MOST_CELLS`] cells. The message ends with a hint.
+fn check_size(maze: &Maze, hint: &str) -> Result<(), Error> {
     let cells = usize::from(maze.width()) * usize::from(maze.height());
     if cells <= MOST_CELLS {
         return Ok(());
     }
     let name = maze.name();
     Err(ErrorKind::BadData.error(format!(
-        "cannot draw the picture: {name} has {cells} cells, but at most {MOST_CELLS} can be drawn; \
-         `xcscr rules RUN --cell COL,ROW` shows what was learned in one cell"
+        "cannot draw the picture: {name} has {cells} cells, but at most {MOST_CELLS} can be drawn{hint}"
     )))
 }
 
@@ -161,6 +173,27 @@ mod tests {
         for part in ["hall has 1052672 cells", "xcscr rules RUN --cell COL,ROW"] {
             assert!(refused.contains(part), "{refused}");
         }
+    }
+
+    #[test]
+    fn the_picture_of_a_world_has_its_walls_and_marks() {
+        let picture = |maze: &str| {
+            let path = format!("worlds/{maze}.json");
+            world_picture(&Maze::load(path.as_ref()).unwrap(), "caption".to_owned()).unwrap()
+        };
+        let picture = picture("maze4");
+        for part in [
+            "<title>maze4</title>",
+            ">caption</text>",
+            ">S</text>",
+            ">G</text>",
+        ] {
+            assert_eq!(picture.matches(part).count(), 1, "{part}");
+        }
+        // Each of the 27 free cells has a frame and a tile, and the start and the goal have a third square.
+        let squares = picture.matches("<rect").count();
+        assert_eq!(squares, 2 + 2 * 27 + 2);
+        assert!(world_picture(&hall(4096, 257), String::new()).is_err());
     }
 
     #[test]
