@@ -159,8 +159,11 @@ fn write_episodes(folder: &StudyFolder, jobs: usize) -> Result<(), Failure> {
     Ok(written?)
 }
 
-/// Prints warnings about the arms of a study on stderr, each only once.
+/// Prints warnings about the settings and the arms of a study on stderr, each only once.
 fn say_warnings(protocol: &Protocol) {
+    for (key, why) in protocol.unread() {
+        say(&format!("warning: `{key}` has no effect: {why}"));
+    }
     let mut said = BTreeSet::new();
     for plan in protocol.arm_plans() {
         for warning in plan.warnings() {

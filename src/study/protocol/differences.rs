@@ -1,10 +1,12 @@
 //! The reference method of a protocol, and its differences from another protocol.
 
-use toml::Table;
+use std::collections::BTreeMap;
+
+use toml::{Table, Value};
 
 use super::{Arm, Protocol, named};
 use crate::agent::Method;
-use crate::trial::flatten;
+use crate::trial::{Settings, flatten, why_unread};
 use crate::world::Maze;
 
 /// Maximum number of differences that a message lists.
@@ -65,6 +67,29 @@ impl Protocol {
         places.filter(|_| is_larger && has_worlds && shared(self) == shared(found))
     }
 
+    /// Returns the settings that the study changes in some arm and that nothing reads in any arm, each with the reason.
+    pub fn unread(&self) -> BTreeMap<String, String> {
+        let arms = || self.arms.iter().filter(|arm| arm.agent.is_none());
+        let mut unread = BTreeMap::new();
+        for arm in arms() {
+            let pairs = settings(&arm.settings).into_iter();
+            let changed = pairs.zip(settings(&Settings::of(arm.method)));
+            for ((key, _), _) in changed.filter(|(here, usual)| here != usual) {
+                // A robot is one choice of many settings.
+                let section = key
+                    .split('.')
+                    .next()
+                    .filter(|&section| section == "physics");
+                let key = section.unwrap_or(&key);
+                let why = |arm: &Arm| why_unread(key, arm.method, arm.arena);
+                if let (false, Some(why)) = (arms().any(|arm| why(arm).is_none()), why(arm)) {
+                    unread.insert(key.to_owned(), why);
+                }
+            }
+        }
+        unread
+    }
+
     /// Describes the first differences from the protocol that was found in a folder.
     pub(in crate::study) fn differences(&self, found: &Self) -> String {
         let mut differences = self.different_values(found);
@@ -117,17 +142,22 @@ impl Protocol {
 
     /// Describes the first setting that differs in arms of the same name.
     fn different_setting(&self, found: &Self) -> Option<String> {
-        let settings =
-            |arm: &Arm| flatten(Table::try_from(&arm.settings).expect("settings are plain data"));
         let of_arm = |arm: &Arm| {
             let other = found.arms.iter().find(|other| other.name() == arm.name())?;
-            let mut pairs = settings(arm).into_iter().zip(settings(other));
+            let mut pairs = settings(&arm.settings)
+                .into_iter()
+                .zip(settings(&other.settings));
             let ((key, here), (_, there)) = pairs.find(|(here, there)| here != there)?;
             let name = arm.name();
             Some(format!("`{key}` is {here} in {name}, but {there} there"))
         };
         self.arms.iter().find_map(of_arm)
     }
+}
+
+/// Returns all settings by their full names.
+fn settings(settings: &Settings) -> Vec<(String, Value)> {
+    flatten(Table::try_from(settings).expect("settings are plain data"))
 }
 
 /// Returns each item once, in the order of first occurrence.
@@ -174,6 +204,21 @@ mod tests {
         ] {
             assert_eq!(changed(from, to).extends(&found), places, "{from} to {to}");
         }
+    }
+
+    #[test]
+    fn a_setting_that_no_method_of_a_study_reads_is_named() {
+        let unread = |set: &str| frozen(SMALL, &[set]).unwrap().unread();
+        assert!(unread("xcs.beta=0.3").is_empty());
+        assert!(unread("reward.theta_x=0.3").is_empty(), "xcscr reads it");
+        assert_eq!(
+            unread("physics.noise=2")["physics"],
+            "the arena `grid` has no robot"
+        );
+        assert_eq!(
+            unread("tabular.lambda=0.3")["tabular.lambda"],
+            "only `sarsa-lambda` reads it"
+        );
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub use robot::{RobotError, RobotProfile};
 pub use settings::Settings;
 pub use settings_error::{SettingOrigin, SettingsError};
 pub use toml_text::{MOST_TOML_BYTES, shortened};
-pub use unread::Unread;
+pub use unread::{Unread, why_unread};
 pub use warning::Warning;
 pub use why::{Change, WeightedRule, Why};
 

@@ -7,24 +7,12 @@ use super::settings_error::SettingOrigin;
 use crate::agent::Method;
 use xcscr_robot::arena::ArenaKind;
 
-/// The settings of `reward` that all methods read.
-const COMMON_REWARDS: [&str; 6] = [
-    "goal",
-    "step",
-    "collision",
-    "gamma",
-    "step_threshold",
-    "step_threshold_from_maze",
-];
-/// The settings of `reward` that only standard XCS reads.
-const STANDARD_REWARDS: [&str; 2] = ["xcs_payment", "xcs_step_limit"];
-
 /// A setting that has no effect.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Unread {
     key: String,
     origin: SettingOrigin,
-    why: &'static str,
+    why: String,
 }
 
 impl fmt::Display for Unread {
@@ -52,29 +40,56 @@ impl Resolved {
 }
 
 /// Returns the reason why nothing reads a setting; `None` if something reads it.
-fn why_unread(key: &str, method: Method, arena: ArenaKind) -> Option<&'static str> {
-    let (section, name) = key.split_once('.').unwrap_or((key, ""));
-    let is_tabular = match method {
-        Method::QLearning | Method::SarsaLambda | Method::DynaQ => true,
-        Method::Xcs | Method::Xcsam | Method::AdaptedEven | Method::AdaptedDiscounted => false,
-        Method::Xcscr | Method::XcscrCoevolved | Method::XcscrPlus | Method::RMax => false,
+pub fn why_unread(key: &str, method: Method, arena: ArenaKind) -> Option<String> {
+    if key.starts_with("physics") && arena == ArenaKind::Grid {
+        return Some("the arena `grid` has no robot".to_owned());
+    }
+    if reads(method, key) {
+        return None;
+    }
+    let readers = Method::ALL.iter().filter(|&&method| reads(method, key));
+    let names: Vec<String> = readers
+        .map(|method| format!("`{}`", method.name()))
+        .collect();
+    let [first @ .., last] = names.as_slice() else {
+        return Some("no method reads it".to_owned());
     };
-    let is_standard = matches!(method, Method::Xcs | Method::Xcsam);
-    let has_model = matches!(method, Method::XcscrPlus | Method::RMax);
-    match section {
-        "physics" if arena == ArenaKind::Grid => Some("the arena `grid` has no robot"),
-        "xcs" if !method.learns_rules() => Some("only classifier systems read it"),
-        "tabular" if !is_tabular => Some("only `q-learning`, `sarsa-lambda` and `dyna-q` read it"),
-        "plus" if ["replay", "guided_covering"].contains(&name) => {
-            (method != Method::XcscrPlus).then_some("only `xcscr-plus` reads it")
-        }
-        "plus" if !has_model => Some("only `xcscr-plus` and `r-max` read it"),
-        "reward" if STANDARD_REWARDS.contains(&name) => {
-            (!is_standard).then_some("only `xcs` and `xcsam` read it")
-        }
-        "reward" if COMMON_REWARDS.contains(&name) => None,
-        "reward" if !method.learns_rules() => Some("only classifier systems read it"),
-        _ => None,
+    Some(match first {
+        [] => format!("only {last} reads it"),
+        _ => format!("only {} and {last} read it", first.join(", ")),
+    })
+}
+
+/// Returns true if a method reads a setting. A test compares this with what each method learns.
+fn reads(method: Method, key: &str) -> bool {
+    let (is_standard, is_adapted, is_tabular) = match method {
+        Method::Xcs | Method::Xcsam => (true, false, false),
+        Method::AdaptedEven | Method::AdaptedDiscounted => (false, true, false),
+        Method::QLearning | Method::SarsaLambda | Method::DynaQ => (false, false, true),
+        Method::Xcscr | Method::XcscrCoevolved | Method::XcscrPlus => (false, false, false),
+        Method::RMax => (false, false, false),
+    };
+    let has_rules = method.learns_rules();
+    let has_mechanisms = has_rules && !is_standard && !is_adapted;
+    match key.split_once('.').unwrap_or((key, "")) {
+        ("xcs", "zeta") => method == Method::Xcsam,
+        ("xcs", "rate_scope") => has_mechanisms,
+        ("xcs", "value_over_match_set") => has_rules && method != Method::XcscrPlus,
+        ("xcs", _) => has_rules,
+        ("tabular", "lambda") => method == Method::SarsaLambda,
+        ("tabular", "replays") => method == Method::DynaQ,
+        ("tabular", _) => is_tabular,
+        ("plus", "replay" | "guided_covering") => method == Method::XcscrPlus,
+        ("plus", _) => matches!(method, Method::XcscrPlus | Method::RMax),
+        ("reward", "xcs_payment" | "xcs_step_limit") => is_standard,
+        ("reward", "gamma") => method != Method::AdaptedEven,
+        ("reward", "even_constant") => has_mechanisms || method == Method::AdaptedEven,
+        ("reward", "failure") => has_rules,
+        ("reward", "stack_evolution") => has_rules && !is_standard,
+        ("reward", "goal" | "step" | "collision") => true,
+        ("reward", "step_threshold" | "step_threshold_from_maze") => true,
+        ("reward", _) => has_mechanisms,
+        _ => true,
     }
 }
 
@@ -100,6 +115,12 @@ mod tests {
             ["--set: `plus.replay` has no effect: only `xcscr-plus` reads it"]
         );
         assert_eq!(
+            said(Method::AdaptedEven, "reward.theta_x=0.1"),
+            [
+                "--set: `reward.theta_x` has no effect: only `xcscr`, `xcscr-coevolved` and `xcscr-plus` read it"
+            ]
+        );
+        assert_eq!(
             said(Method::XcscrPlus, "physics.noise=2"),
             ["--set: `physics.noise` has no effect: the arena `grid` has no robot"]
         );
@@ -109,26 +130,44 @@ mod tests {
         assert_eq!(in_physics, [""; 0]);
     }
 
-    /// The other value of each setting, so that it can change what is learned.
-    const CHANGES: [&str; 17] = [
-        "xcs.dont_care=0.9",
-        "xcs.ga=false",
-        "tabular.alpha=0.5",
-        "tabular.replays=3",
-        "plus.replay=false",
-        "plus.guided_covering=false",
-        "plus.planned_exploration=false",
-        "plus.collision_rules=false",
-        "reward.goal=500",
-        "reward.step=-2",
-        "reward.collision=-100",
-        "reward.gamma=0.5",
-        "reward.failure=-10",
-        "reward.beta_success=0.1",
-        "reward.short_term_filter=false",
-        "reward.xcs_payment=final",
-        "physics.noise=2",
-    ];
+    /// Returns another value of each setting of the learners, so that it can change what is learned.
+    fn changes() -> Vec<String> {
+        let defaults = Resolved::new(&Settings::default(), &[], &[]).unwrap();
+        let entries = defaults.entries();
+        let of_learners = entries.filter(|(key, ..)| {
+            let sections = ["xcs.", "reward.", "plus.", "tabular."];
+            sections.iter().any(|section| key.starts_with(section))
+        });
+        of_learners
+            .map(|(key, value, _)| changed(key, &value))
+            .collect()
+    }
+
+    /// Returns a setting with the first valid value that differs from `value`.
+    fn changed(key: &str, value: &str) -> String {
+        let read =
+            |value: &str| Resolved::new(&Settings::default(), &[], &[format!("{key}={value}")]);
+        let values: Vec<String> = match value.parse::<f64>() {
+            Ok(number) => [0.5 * number, 2.0 * number, number + 1.0, -60.0]
+                .map(|number| number.to_string())
+                .into(),
+            // The names of all values stand in backticks.
+            Err(_) => read("none")
+                .unwrap_err()
+                .to_string()
+                .split('`')
+                .map(str::to_owned)
+                .collect(),
+        };
+        let values = values
+            .into_iter()
+            .chain(["true", "false"].map(str::to_owned));
+        let mut others = values.filter(|one| one != value.trim_matches('"') && read(one).is_ok());
+        let other = others
+            .next()
+            .unwrap_or_else(|| panic!("{key} has one value, {value}"));
+        format!("{key}={other}")
+    }
 
     #[test]
     fn a_setting_that_is_called_unread_changes_nothing_that_is_learned() {
@@ -144,16 +183,16 @@ mod tests {
         let (mut unread_ones, mut read_ones) = (0, 0);
         for &method in Method::ALL {
             let usual = learned(method, &[]);
-            for set in CHANGES {
-                let is_unread = !unread(method, ArenaKind::Grid, set).is_empty();
-                let same = learned(method, &[set.to_owned()]) == usual;
+            for set in changes() {
+                let is_unread = !unread(method, ArenaKind::Grid, &set).is_empty();
+                let same = learned(method, std::slice::from_ref(&set)) == usual;
                 assert!(same || !is_unread, "{} reads {set}", method.name());
                 unread_ones += usize::from(is_unread);
                 read_ones += usize::from(!same);
             }
         }
         assert!(
-            unread_ones > 50 && read_ones > 50,
+            unread_ones > 200 && read_ones > 100,
             "{unread_ones} {read_ones}"
         );
     }
