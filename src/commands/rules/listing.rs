@@ -5,13 +5,15 @@ use std::cmp::Reverse;
 use clap::ValueEnum;
 use serde::Serialize;
 use xcscr::agent::Knowledge;
+use xcscr::sensor::Perception;
 use xcscr::trial::Plan;
 use xcscr::xcs::{Action, Classifier, Condition, Percept};
 
 /// The sort order of rules.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum Order {
-    /// The number of the world's percepts that the rule matches.
+    /// The number of the world's percepts that the rule matches. With earlier steps in the percept: of those that the
+    /// greedy policy meets.
     Covers,
     Action,
     Value,
@@ -53,18 +55,6 @@ pub struct Row {
     pub rule: Classifier,
 }
 
-/// Returns the percepts that rules can cover: all of the world. With earlier steps in the percept, these are the percepts
-/// that the learner knows, or else those at the beginning of an episode.
-fn percepts(Plan { maze, config }: &Plan, knowledge: &Knowledge) -> Vec<Percept> {
-    let perception = config.perception();
-    let known = match perception.history {
-        0 => None,
-        _ => knowledge.decided(perception, maze, usize::MAX),
-    };
-    let all = known.or_else(|| perception.at_most_percepts(maze, usize::MAX));
-    all.expect("the number is not limited")
-}
-
 /// Returns the rules that match a percept, or all rules, in the given order.
 pub fn rows(
     rules: &[Classifier],
@@ -73,7 +63,12 @@ pub fn rows(
     by: Order,
 ) -> Vec<Row> {
     let Plan { maze, config } = plan;
-    let percepts = percepts(plan, knowledge);
+    let percepts = match config.perception() {
+        // Rules of a learner with a model also match where it has no decision.
+        Perception { sensor, history: 0 } => sensor.at_most_percepts(maze, usize::MAX),
+        perception => knowledge.decided(perception, maze, usize::MAX),
+    };
+    let percepts = percepts.expect("the number is not limited");
     let matches = |rule: &&Classifier| here.is_none_or(|percept| rule.condition.matches(percept));
     let row = |rule: &Classifier| Row {
         condition: rule.condition,

@@ -19,9 +19,8 @@ impl Compacted {
     /// The maximum number of distinct percepts of a world; more would take minutes.
     pub const MOST_PERCEPTS: usize = 4096;
 
-    /// Selects the fewest rules. `None` for a table, in worlds with more than
-    /// [`MOST_PERCEPTS`](Self::MOST_PERCEPTS) distinct percepts, and if the percepts
-    /// [cannot be listed](Knowledge::decided).
+    /// Selects the fewest rules that keep the decisions in the [decided](Knowledge::decided) percepts. `None` for a
+    /// table, and if there are more than [`MOST_PERCEPTS`](Self::MOST_PERCEPTS) such percepts.
     pub fn new(
         knowledge: &Knowledge,
         perception: impl Into<Perception>,

@@ -11,9 +11,10 @@ use crate::world::{Cell, Direction, Maze};
 use xcs::{Action, Percept};
 
 /// The maximum number of earlier steps in a percept.
-const MOST_STEPS: usize = 3;
+pub const MOST_EARLIER_STEPS: u32 = 3;
 /// What words about earlier steps begin with.
-const AGO: [&str; MOST_STEPS] = ["one step ago", "two steps ago", "three steps ago"];
+const AGO: [&str; MOST_EARLIER_STEPS as usize] =
+    ["one step ago", "two steps ago", "three steps ago"];
 
 /// A sensor, and the number of earlier steps that follow its percept (`sensor.history`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

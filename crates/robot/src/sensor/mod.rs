@@ -19,7 +19,7 @@ use std::collections::HashSet;
 pub use aliasing::AliasedCells;
 pub use aliasing::aliased_among;
 use foldhash::fast::FixedState;
-pub use history::{History, Perception};
+pub use history::{History, MOST_EARLIER_STEPS, Perception};
 pub use params::SensorParams;
 use serde::{Deserialize, Serialize};
 use strum::{IntoStaticStr, VariantArray};

@@ -2,6 +2,8 @@
 
 use xcs::settings;
 
+use super::history::MOST_EARLIER_STEPS;
+
 settings! {
     section "sensor";
 
@@ -14,6 +16,6 @@ settings! {
         flip_probability: f64 = 0.0, in 0.0..=0.1;
         /// The number of earlier steps that learners perceive: each percept is followed by the last actions, and by
         /// the percepts in which they were taken. An episode begins without earlier steps.
-        history: u32 = 0, in 0..=3;
+        history: u32 = 0, in 0..=MOST_EARLIER_STEPS;
     }
 }

@@ -4,15 +4,15 @@ mod frozen;
 
 pub use frozen::Frozen;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
 use crate::agent::model::Generalisation;
-use xcs::{Action, Percept, Population, PredictionArray, Xcs};
-use xcscr_robot::sensor::Perception;
-use xcscr_robot::world::Maze;
+use xcs::{Action, Condition, Percept, Population, PredictionArray, Xcs};
+use xcscr_robot::sensor::{History, MOST_EARLIER_STEPS, Perception};
+use xcscr_robot::world::{Cell, Maze};
 
 /// Learned knowledge: enough to follow the greedy policy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -109,22 +109,46 @@ impl Knowledge {
     }
 
     /// Returns the percepts of a maze in which the learner has a decision; `None` if there are more than `most`. With
-    /// earlier steps in the percept, only a learner with a model can list them; `None` for the others.
+    /// earlier steps in the percept, these are the percepts that the greedy policy meets.
     pub fn decided(
         &self,
         perception: Perception,
         maze: &Maze,
         most: usize,
     ) -> Option<Vec<Percept>> {
-        if perception.history > 0 {
-            let Self::PerceptRules { known, .. } = self else {
-                return None;
-            };
-            return (known.len() <= most).then(|| known.clone());
-        }
-        let mut percepts = perception.at_most_percepts(maze, most)?;
+        let mut percepts = match perception.history {
+            0 => perception.at_most_percepts(maze, most)?,
+            _ => self.met(perception, maze, most)?,
+        };
         percepts.retain(|percept| self.decides(percept));
         Some(percepts)
+    }
+
+    /// Returns the percepts that the greedy policy meets on exact moves from all starts, with all nearly best actions
+    /// on ties; `None` if they are more than `most`.
+    fn met(&self, perception: Perception, maze: &Maze, most: usize) -> Option<Vec<Percept>> {
+        let beginning = History::new(perception, maze);
+        let mut open: Vec<(Cell, History)> = maze.starts().map(|cell| (cell, beginning)).collect();
+        let (mut seen, mut met) = (BTreeSet::new(), BTreeSet::new());
+        while let Some((cell, history)) = open.pop() {
+            if maze.is_goal(cell) || !seen.insert((maze.index(cell), history)) {
+                continue;
+            }
+            let here = perception.sensor.perceive_at(maze, cell);
+            let percept = history.behind(&here);
+            if met.insert(percept) && met.len() > most {
+                return None;
+            }
+            let values = self.values(&percept, maze.action_count());
+            for action in Action::all(maze.action_count()) {
+                if values.is_nearly_best(action) {
+                    let direction = maze.direction(action);
+                    let next = direction.and_then(|direction| maze.step(cell, direction));
+                    open.push((next.unwrap_or(cell), history.after(&here, action)));
+                }
+            }
+        }
+        Some(met.into_iter().collect())
     }
 
     /// Returns the transition generalisation; `None` for methods without one.
@@ -151,6 +175,7 @@ impl Knowledge {
             .iter();
         let predicting = predicting.map(|rule| (rule.condition, rule.action));
         for (condition, action) in own.chain(predicting) {
+            Misfit::check_history(&condition, perception, maze)?;
             let action = action.map_or(0, Action::index);
             Misfit::check(&condition, condition.width(), width, action, actions)?;
             if !layout.fits(&condition) {
@@ -213,6 +238,19 @@ pub enum Misfit {
         /// The width of percepts.
         wanted: usize,
     },
+    /// The condition of a rule is as wide as percepts with another number of earlier steps.
+    #[error(
+        "rule {rule} was learned with `sensor.history` {learned}, but here it is {wanted}: use `--set \
+         sensor.history={learned}`, or other rules"
+    )]
+    History {
+        /// The condition of the rule.
+        rule: String,
+        /// The number of earlier steps that fits the width of the condition.
+        learned: u32,
+        /// The number of earlier steps in the percepts.
+        wanted: u32,
+    },
     /// The condition of a rule has a range in place of other bits than those of the column or the row.
     #[error("rule {0} has a range that is not of the column or the row of this world's percepts")]
     Ranges(String),
@@ -243,6 +281,26 @@ pub enum Misfit {
 }
 
 impl Misfit {
+    /// Checks that the condition is not one on percepts with another number of earlier steps.
+    fn check_history(rule: &Condition, perception: Perception, maze: &Maze) -> Result<(), Self> {
+        let wanted = perception.history;
+        let mut others = (0..=MOST_EARLIER_STEPS).filter(|&history| history != wanted);
+        let fitting = others.find(|&history| {
+            let other = Perception {
+                history,
+                ..perception
+            };
+            other.width(maze) == rule.width()
+        });
+        fitting.map_or(Ok(()), |learned| {
+            Err(Self::History {
+                rule: rule.to_string(),
+                learned,
+                wanted,
+            })
+        })
+    }
+
     fn check(
         rule: &dyn fmt::Display,
         width: usize,
