@@ -4,7 +4,7 @@
 Usage: browser.py PAGE RECORDING [RUN [CHROMIUM]]     needs Chromium and the Python package mcap
 
 The browser is driven through its debugging pipe. The page must show the decisions of the recording, play, pause, seek,
-obey the keys, fit into 360 pixels, load nothing, and write nothing to the console. With reduced motion, nothing may move
+obey the keys, switch its layers, fit into 360 pixels, load nothing, and write nothing to the console. With reduced motion, nothing may move
 between two decisions. The page of the folder RUN must show the
 decisions of all episodes. Ends with code 1 at the first fault.
 """
@@ -145,6 +145,20 @@ def check_playing(browser):
     expect(abs(shown(browser)["t"] - browser.evaluate(END)) < 1e-6, "End does not go to the end")
 
 
+def check_layers(browser):
+    """Switches each layer over: the picture of the end of the recording must change, and change back."""
+    seek(browser, browser.evaluate(END))
+    picture = "document.getElementById('maze').toDataURL()"
+    count = browser.evaluate("document.querySelectorAll('#layers input').length")
+    expect(count >= 4, f"the page has {count} layers")
+    for at in range(count):
+        pictures = [browser.evaluate(picture)]
+        for _ in range(2):
+            browser.evaluate(f"document.querySelectorAll('#layers input')[{at}].click()")
+            pictures.append(browser.evaluate(picture))
+        expect(pictures[0] == pictures[2] != pictures[1], f"layer {at} does not change the picture, or not back")
+
+
 def check_reduced_motion(browser):
     """Plays with reduced motion: the picture may only change when the robot decides."""
     pictures = "new Set(seen).size"
@@ -217,6 +231,7 @@ def main():
     go(browser, page)
     count = check_numbers(browser, recording)
     check_playing(browser)
+    check_layers(browser)
     check_sizes(browser)
     check_targets(browser)
     check_reduced_motion(browser)

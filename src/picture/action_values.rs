@@ -7,12 +7,9 @@ use super::drawing::{
 };
 use super::policy_picture::{Moment, PolicyPicture};
 use super::svg::{Drawing, Element};
+use crate::record::colours::{ABOVE, BELOW};
 use crate::world::{Cell, Direction};
 
-/// The colour of values below 0.
-const BELOW: u32 = 0xc8352b;
-/// The colour of values from 0.
-const ABOVE: u32 = 0x2f6fd6;
 /// The colour of the best actions on the greedy path.
 const POLICY: u32 = 0x128a3e;
 /// The colour of the cell in which the episode ended.

@@ -1,4 +1,4 @@
-// Colours of what was learned. Nothing here touches the page, so that it can be tested on its own.
+// Colours and lengths of marks of what was learned. Nothing here touches the page, so that it can be tested on its own.
 
 /** The greatest level of rank and nearness, and the least of a cell that has them. */
 const LEVELS = 20;
@@ -26,4 +26,9 @@ export function arrowColour({ arrow_colours: [far, middle, near], no_goal_colour
 /** Returns the colour of the floor of a cell: stronger for a better rank. */
 export function floorColour(floor, level) {
   return mixed(floor, "#5aa9ff", 0.08 + 0.7 * share(level));
+}
+
+/** Returns the length of the mark of an action value, from 0 to 1: the square root of its share in percent. */
+export function valueLength(percent) {
+  return Math.max(Math.sqrt(Math.abs(percent) / 100), 0.2);
 }

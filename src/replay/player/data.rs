@@ -31,6 +31,8 @@ pub struct Data {
     pub arrow_colours: [String; 3],
     /// The CSS colour of best actions that lead to no goal.
     pub no_goal_colour: String,
+    /// CSS colours of action values below and above 0.
+    pub value_colours: [String; 2],
     /// CSS colours of cells perceived as free, as a wall and as a goal.
     pub percept_colours: Vec<String>,
     /// Time, x, y and heading in the map frame, in seconds, metres and radians.
@@ -92,6 +94,8 @@ pub struct Policy {
     pub best: Vec<u8>,
     pub rank: Vec<u8>,
     pub nearness: Vec<u8>,
+    /// For each action of each cell the value in percent of the greatest magnitude; 0 if unknown.
+    pub shares: Vec<i8>,
 }
 
 impl Data {
@@ -132,9 +136,11 @@ impl Policy {
     /// Returns the levels of what was learned.
     pub fn of(learned: &Learned, maze: &Maze) -> Self {
         let none = vec![0; usize::from(maze.width()) * usize::from(maze.height())];
+        let actions = maze.action_count();
         let mut policy = Self {
             best: none.clone(),
             rank: none.clone(),
+            shares: vec![0; actions * none.len()],
             nearness: none,
         };
         let level = |share: f32| (share * LEVELS).round() as u8;
@@ -143,6 +149,10 @@ impl Policy {
             policy.best[index] = at.best;
             policy.rank[index] = level(at.rank);
             policy.nearness[index] = level(at.nearness);
+            let shares = policy.shares[actions * index..].iter_mut().zip(at.shares);
+            shares
+                .take(actions)
+                .for_each(|(to, share)| *to = share.unwrap_or(0));
         }
         policy
     }

@@ -2,7 +2,7 @@
 //
 // A view is what is drawn: the data of an episode (`data`), a time in seconds (`t`), the names of the
 // layers that are shown (`shown`), when the episode began (`begun`), and its number (`episode`).
-import { arrowColour, floorColour } from "./colours.mjs";
+import { arrowColour, floorColour, valueLength } from "./colours.mjs";
 import { inGrid, lastAt, lastIndex, poseAt } from "./timeline.mjs";
 
 export const COLOURS = { wall: "#57657f", floor: "#eef1f5", line: "#c3cad6", start: "#f4b740", goal: "#35c46a", robot: "#f58220", trail: "#1d2430", outline: "#1d2430", estimate: "#2f9ce0", hit: "#e0322f" };
@@ -56,6 +56,26 @@ function drawPolicy(context, data, { best, nearness }, pixel) {
       }
       context.closePath();
       context.stroke();
+      context.fill();
+    });
+  });
+}
+
+/** Draws a triangle for each action of each cell: the longer, the greater its value is, above or below 0. */
+function drawActionValues(context, { world, value_colours }, { shares }) {
+  const unit = world.cell_size_m;
+  const [below, above] = value_colours;
+  forEachCell(world, (cell, x, y) => {
+    world.moves.forEach(([east, north], action) => {
+      const share = shares[cell * world.moves.length + action];
+      if (!share) return;
+      const ahead = 0.48 * unit * valueLength(share);
+      const [dx, dy] = [east, north].map((part) => part / Math.hypot(east, north));
+      context.fillStyle = share < 0 ? below : above;
+      context.beginPath();
+      context.moveTo(x + ahead * dx, y + ahead * dy);
+      for (const side of [-0.1 * unit, 0.1 * unit]) context.lineTo(x - side * dy, y + side * dx);
+      context.closePath();
       context.fill();
     });
   });
@@ -199,6 +219,7 @@ export function drawMaze(canvas, view) {
   drawWorld(context, data.world, pixel);
   const [learned, decision] = [lastAt(data.learned, t), lastAt(data.decisions, t)];
   if (learned && shown.has("values")) drawRanks(context, data, learned);
+  if (learned && shown.has("actions")) drawActionValues(context, data, learned);
   if (learned && shown.has("policy")) drawPolicy(context, data, learned, pixel);
   if (shown.has("trail")) drawTrail(context, view, pixel);
   if (decision && shown.has("percept")) drawPercept(context, data, decision, pixel);

@@ -5,7 +5,8 @@ import { because, source, summary, sureness, terms } from "./words.mjs";
 
 const byId = (id) => document.getElementById(id);
 const LAYERS = [
-  ["values", "values"],
+  ["values", "rank of cells"],
+  ["actions", "values of actions"],
   ["policy", "policy"],
   ["trail", "path"],
   ["percept", "percept"],
@@ -21,6 +22,7 @@ let data = recording;
 [COLOURS.far, , COLOURS.near] = data.arrow_colours;
 COLOURS.never = data.no_goal_colour;
 [COLOURS.free, COLOURS.blocked] = data.percept_colours;
+[COLOURS.below, COLOURS.above] = data.value_colours;
 
 function withPoses(data) {
   return { ...data, poses: posesFrom(data.poses, data.begins), estimated: posesFrom(data.estimated, data.begins) };
@@ -256,6 +258,7 @@ function perceives() {
 
 function listLegend() {
   const legend = [["far", "best action, far from the goal"], ["near", "near it (between: green)"], ["never", "not on a way to the goal"], ["start", "start"], ["goal", "goal"], ["robot", "robot; its arrow is its front, it also drives backward"], ["trail", "path of this episode"], ["hit", "collision"]];
+  if (data.learned.length) legend.push(["below", "value of an action below 0 (its length: the square root)"], ["above", "value above 0"]);
   if (perceives()) legend.push(["free", "perceived as free when it decided"], ["blocked", "perceived as a wall"]);
   if (data.localisations.length) legend.push(["estimate", "estimated pose; dashed: 3 standard deviations, 10 times as large"]);
   byId("legend").replaceChildren(
@@ -270,7 +273,7 @@ function listLegend() {
 
 function listLayers() {
   for (const [name, text] of LAYERS) {
-    const has = { values: data.learned.length, policy: data.learned.length, percept: perceives(), estimate: data.localisations.length };
+    const has = { values: data.learned.length, actions: data.learned.length, policy: data.learned.length, percept: perceives(), estimate: data.localisations.length };
     if (name in has && !has[name]) continue;
     const [label, box] = [document.createElement("label"), document.createElement("input")];
     box.type = "checkbox";

@@ -7,7 +7,7 @@ use super::data::{Choice, Data, Policy, Timed};
 use super::world::World;
 use crate::Error;
 use crate::picture::css;
-use crate::record::colours::{NO_GOAL, SCALE};
+use crate::record::colours::{ABOVE, BELOW, NO_GOAL, SCALE};
 use crate::record::event::{Begin, Contact, Curve, Decision, End, Learned, Outcome, Perceived};
 use crate::record::info::{self, RADIUS, RunKind};
 use crate::record::reader::{Message, Recording};
@@ -89,6 +89,7 @@ impl Reader {
                 .unwrap_or_else(|| RobotShape::for_cell(maze.cell_size_m()).radius_m),
             arrow_colours: SCALE.map(css),
             no_goal_colour: css(NO_GOAL),
+            value_colours: [BELOW, ABOVE].map(css),
             percept_colours: Perceived::VARIANTS
                 .iter()
                 .map(|&kind| css(percept::colour(kind)))

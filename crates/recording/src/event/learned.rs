@@ -6,12 +6,14 @@ use foxglove::messages::{
     Grid, PackedElementField, Pose, Vector2, packed_element_field::NumericType,
 };
 
-use xcs::Action;
+use xcs::{Action, ByAction};
 use xcscr_learner::episode::PolicyMap;
 use xcscr_robot::world::{Cell, Maze};
 
-/// The bytes of a cell on the topic: three numbers of four bytes, and the best actions.
-const STRIDE: usize = 13;
+/// The bytes of a cell on the topic before the shares of its actions: three numbers of four bytes, and the best actions.
+const HEAD: usize = 13;
+/// The share of an action without a value.
+const UNKNOWN: i8 = i8::MIN;
 /// The least rank and nearness of a cell that has them.
 const LEAST: f32 = 0.1;
 
@@ -37,12 +39,25 @@ pub struct LearnedCell {
     pub nearness: f32,
     /// The best actions, as bits.
     pub best: u8,
+    /// By action: the value in percent of the greatest magnitude of all values, rounded away from 0; `None` without a
+    /// value.
+    pub shares: ByAction<Option<i8>>,
+}
+
+/// Returns the greatest magnitude of an action value.
+fn greatest_magnitude(policy: &PolicyMap) -> f64 {
+    let values = policy
+        .cells()
+        .flat_map(|(_, values)| values.as_slice().iter().flatten());
+    values.fold(0.0, |greatest, value| value.abs().max(greatest))
 }
 
 impl Learned {
     /// Evaluates a policy.
     pub fn of(policy: &PolicyMap, maze: &Maze) -> Self {
         let share = |share: f64| LEAST + (1.0 - LEAST) * share as f32;
+        let greatest = greatest_magnitude(policy).max(f64::MIN_POSITIVE);
+        let percent = |value: f64| (100.0 * value.abs() / greatest).ceil().copysign(value) as i8;
         let figures = policy.ranks().into_iter().zip(policy.nearness(maze));
         let cells = policy.cells().zip(figures);
         let cells = cells.filter_map(|((cell, values), (rank, near))| {
@@ -53,6 +68,14 @@ impl Learned {
                 rank: share(rank?),
                 nearness: near.map_or(0.0, share),
                 best: best.fold(0, |bits, action| bits | 1 << action.index()),
+                shares: std::array::from_fn(|action| {
+                    values
+                        .as_slice()
+                        .get(action)
+                        .copied()
+                        .flatten()
+                        .map(percent)
+                }),
             })
         });
         Self {
@@ -99,23 +122,38 @@ impl Learned {
     /// empty in a very large maze.
     pub fn grid(&self, maze: &Maze, frame: &str, pose: Pose) -> Grid {
         let columns = if maze.is_too_large() { 0 } else { maze.width() };
-        let mut data = vec![0; usize::from(columns) * usize::from(maze.height()) * STRIDE];
-        for cell in data.chunks_exact_mut(STRIDE) {
+        let stride = HEAD + maze.action_count();
+        let mut data = vec![0; usize::from(columns) * usize::from(maze.height()) * stride];
+        for cell in data.chunks_exact_mut(stride) {
             cell[..4].copy_from_slice(&f32::NAN.to_le_bytes());
+            cell[HEAD..].fill(UNKNOWN as u8);
         }
         for known in self.cells.iter().filter(|_| columns > 0) {
             let row = usize::from(maze.height() - 1 - known.cell.row);
-            let at = (row * usize::from(columns) + usize::from(known.cell.col)) * STRIDE;
+            let at = (row * usize::from(columns) + usize::from(known.cell.col)) * stride;
             let numbers = [known.value, known.rank, known.nearness].map(f32::to_le_bytes);
-            let cell = &mut data[at..at + STRIDE];
+            let cell = &mut data[at..at + stride];
             cell[..12].copy_from_slice(&numbers.concat());
             cell[12] = known.best;
+            for (to, share) in cell[HEAD..].iter_mut().zip(known.shares) {
+                *to = share.unwrap_or(UNKNOWN) as u8;
+            }
         }
-        let field = |name: &str, offset, kind: NumericType| PackedElementField {
+        let field = |name: &str, offset: usize, kind: NumericType| PackedElementField {
             name: name.to_owned(),
-            offset,
+            offset: offset as u32,
             r#type: kind as i32,
         };
+        let mut fields = vec![
+            field("value", 0, NumericType::Float32),
+            field("rank", 4, NumericType::Float32),
+            field("nearness", 8, NumericType::Float32),
+            field("best_actions", 12, NumericType::Uint8),
+        ];
+        fields.extend(Action::all(maze.action_count()).map(|action| {
+            let name = maze.action_name(action).replace('-', "_");
+            field(&name, HEAD + action.index(), NumericType::Int8)
+        }));
         let unit = maze.cell_size_m();
         Grid {
             timestamp: None,
@@ -123,14 +161,9 @@ impl Learned {
             pose: Some(pose),
             column_count: columns.into(),
             cell_size: Some(Vector2 { x: unit, y: unit }),
-            row_stride: u32::from(columns) * STRIDE as u32,
-            cell_stride: STRIDE as u32,
-            fields: vec![
-                field("value", 0, NumericType::Float32),
-                field("rank", 4, NumericType::Float32),
-                field("nearness", 8, NumericType::Float32),
-                field("best_actions", 12, NumericType::Uint8),
-            ],
+            row_stride: u32::from(columns) * stride as u32,
+            cell_stride: stride as u32,
+            fields,
             data: data.into(),
         }
     }
@@ -140,21 +173,25 @@ impl Learned {
     /// # Errors
     /// What is wrong with the message, as text.
     pub fn of_grid(grid: &Grid, maze: &Maze) -> Result<Self, String> {
-        let columns = usize::from(maze.width());
-        let is_whole = grid.data.len() == columns * usize::from(maze.height()) * STRIDE;
+        let (columns, stride) = (usize::from(maze.width()), HEAD + maze.action_count());
+        let is_whole = grid.data.len() == columns * usize::from(maze.height()) * stride;
         if grid.data.is_empty() {
             return Ok(Self::default());
         }
-        if grid.cell_stride as usize != STRIDE || !is_whole {
+        if grid.cell_stride as usize != stride || !is_whole {
             return Err("the grid is not that of the maze".to_owned());
         }
         let number = |cell: &[u8], at: usize| {
             let bytes = cell[at..at + 4].try_into().expect("four bytes");
             f32::from_le_bytes(bytes)
         };
-        let rows = grid.data.chunks_exact(columns * STRIDE).rev().enumerate();
+        let share = |cell: &[u8], action: usize| {
+            let share = cell.get(HEAD + action).map(|&byte| byte as i8);
+            share.filter(|&share| share != UNKNOWN)
+        };
+        let rows = grid.data.chunks_exact(columns * stride).rev().enumerate();
         let cells = rows.flat_map(|(row, cells)| {
-            let cells = cells.chunks_exact(STRIDE).enumerate();
+            let cells = cells.chunks_exact(stride).enumerate();
             cells.map(move |(col, cell)| LearnedCell {
                 cell: Cell {
                     col: col as u16,
@@ -164,6 +201,7 @@ impl Learned {
                 rank: number(cell, 4),
                 nearness: number(cell, 8),
                 best: cell[12],
+                shares: std::array::from_fn(|action| share(cell, action)),
             })
         });
         Ok(Self {
@@ -188,6 +226,7 @@ mod tests {
             rank: 0.5,
             nearness: 0.25,
             best,
+            shares: [Some(-3), Some(100), None, Some(0), None, None, None, None],
         });
         Learned {
             cells: cells.collect(),
@@ -200,8 +239,9 @@ mod tests {
         let mut grid = learned.grid(&maze, "grid", Pose::default());
         assert_eq!(Learned::of_grid(&grid, &maze).unwrap(), learned);
         // The southern row comes first: row 2 of four rows from the north is the second one.
-        assert_eq!(grid.data[(5 + 1) * STRIDE + 12], 1);
-        grid.data = grid.data.slice(STRIDE..);
+        let stride = HEAD + 4;
+        assert_eq!(grid.data[(5 + 1) * stride + 12], 1);
+        grid.data = grid.data.slice(stride..);
         assert!(Learned::of_grid(&grid, &maze).is_err());
     }
 
