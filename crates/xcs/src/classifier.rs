@@ -36,7 +36,7 @@ pub struct Classifier<C = Condition> {
     /// eam: the number of actions that the rule's niche needs in XCSAM. It ranges from 1, where the
     /// rule's action is the best, to the number of actions, where it is not. It is 1 in all other
     /// methods. Rule files omit it, because the best action in one world may not be the best in
-    /// another. Checkpoints contain it.
+    /// another.
     #[serde(skip, default = "no_mapping")]
     pub eam: f32,
 }

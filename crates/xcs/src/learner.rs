@@ -7,7 +7,6 @@ use super::params::{GaClock, Params, RateScope, SubsumerTies, UpdateOrder};
 use super::population::{MOST_STEPS, Population};
 use super::prediction::PredictionArray;
 use super::representation::Representation;
-use super::saved;
 use super::sets::{ActionSet, MatchSet};
 use crate::random::Stream;
 use crate::signal::{Action, Percept};
@@ -34,7 +33,6 @@ pub struct Xcs<C: Representation = Condition> {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(bound = "C: Representation")]
 pub(crate) struct Learned<C: Representation = Condition> {
-    #[serde(with = "saved")]
     population: Population<C>,
     time: u64,
     stream: Stream,
@@ -111,9 +109,7 @@ impl<C: Representation> Xcs<C> {
     /// Continues from the state of a learner with the same parameters. Returns `false`, and changes
     /// nothing, if the state cannot come from these parameters.
     pub(crate) fn resume(&mut self, learned: Learned<C>) -> bool {
-        let eams = 1.0..=self.eam_at_first();
-        let known =
-            |rule: &Classifier<C>| rule.action.index() < self.actions && eams.contains(&rule.eam);
+        let known = |rule: &Classifier<C>| rule.action.index() < self.actions;
         let fits = learned.time <= MOST_STEPS
             && learned.population.micro() <= self.params.population_size
             && learned.population.rules().iter().all(known);
@@ -213,7 +209,8 @@ impl<C: Representation> Xcs<C> {
 
     /// Returns the prediction array of \[M\] (Eq. 6), as of when \[M\] was formed.
     pub fn predict(&self, set: &MatchSet<C>) -> PredictionArray {
-        set.prediction(self.actions, self.params.value_over_match_set)
+        set.sums()
+            .array(self.actions, self.params.value_over_match_set)
     }
 
     /// Returns the value of each action in a percept, in the order of the actions; `None` for an

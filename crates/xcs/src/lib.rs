@@ -72,7 +72,6 @@ mod prediction;
 mod ranges;
 mod representation;
 mod runner;
-mod saved;
 mod sets;
 mod signal;
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Tests with the widest percepts and the largest number of actions.
 
 use crate::{
-    Action, Environment, MAX_ACTIONS, MAX_PERCEPT_BITS, Params, Percept, Population, Response,
-    Runner,
+    Action, Agent, Condition, Environment, MAX_ACTIONS, MAX_PERCEPT_BITS, Params, Percept,
+    Population, Response, Runner,
 };
 
 /// The bits that determine the right action: the first and the last.
@@ -86,24 +86,8 @@ fn control_without_the_telling_bits_it_is_not_learned() {
 
 #[test]
 fn one_action_more_is_refused_and_the_message_names_the_bound() {
-    struct Crowded;
-    impl Environment for Crowded {
-        fn actions(&self) -> usize {
-            MAX_ACTIONS + 1
-        }
-
-        fn begin(&mut self) -> Percept {
-            percept(0)
-        }
-
-        fn act(&mut self, _: Action) -> Response {
-            Response {
-                reward: 0.0,
-                next: None,
-            }
-        }
-    }
-    let error = Runner::new(Crowded, Params::default(), 1).err().unwrap();
+    let agent = Agent::<Condition>::new(Params::default(), (), MAX_ACTIONS + 1, 1);
+    let error = agent.err().unwrap();
     let [given, last] = [MAX_ACTIONS + 1, MAX_ACTIONS];
     assert_eq!(
         error.to_string(),

@@ -106,10 +106,8 @@ mod tests {
 
     /// A learner for four actions that starts with some rules.
     fn learner(rules: &[Classifier]) -> Xcs {
-        let eams: Vec<f32> = rules.iter().map(|rule| rule.eam).collect();
         let rules = Population::try_from(rules.to_vec()).unwrap();
-        Xcs::new(Params::default(), 4, Stream::new(1, 0_u64))
-            .with_population(rules.with_eams(&eams).unwrap())
+        Xcs::new(Params::default(), 4, Stream::new(1, 0_u64)).with_population(rules)
     }
 
     fn adaptive(rules: &[Classifier]) -> Xcs {
@@ -201,29 +199,5 @@ mod tests {
             xcs.start_from(brought.population());
             assert_eq!(xcs.population().rules()[0].eam, eam);
         }
-    }
-
-    #[test]
-    fn a_saved_state_keeps_eam_and_an_invalid_one_is_refused() {
-        let accepted = |mut fresh: Xcs, eam| {
-            let memory = postcard::to_allocvec(&adaptive(&[rule("0", 2, eam)]).learned()).unwrap();
-            let resumes = fresh.resume(postcard::from_bytes(&memory).unwrap());
-            assert_eq!(resumes, fresh.population().rules().len() == 1);
-            assert!(!resumes || fresh.population().rules()[0].eam == eam);
-            resumes
-        };
-        let adapts = |eam| accepted(adaptive(&[]), eam);
-        assert_eq!([1.0, 1.5, 4.0].map(adapts), [true; 3]);
-        let refused = [0.99, 4.01, -1.0, f32::NAN, f32::INFINITY];
-        assert_eq!(refused.map(adapts), [false; 5]);
-        let plain = |eam| accepted(learner(&[]), eam);
-        assert_eq!([1.0, 1.5].map(plain), [true, false], "eam without XCSAM");
-    }
-
-    #[test]
-    fn a_saved_state_with_too_few_or_many_eams_is_refused() {
-        let rules = Population::try_from(vec![rule("0", 2, 1.0)]).unwrap();
-        let refused = [vec![], vec![1.0, 1.0]].map(|eams| rules.clone().with_eams(&eams).is_none());
-        assert_eq!(refused, [true; 2]);
     }
 }

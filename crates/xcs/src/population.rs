@@ -179,15 +179,6 @@ impl<C: Representation> Population<C> {
         stamped
     }
 
-    /// Returns the same rules, each with its eam; `None` unless there is one eam per rule.
-    pub(super) fn with_eams(mut self, eams: &[f32]) -> Option<Self> {
-        for (at, (rule, &eam)) in self.rules.iter_mut().zip(eams).enumerate() {
-            rule.eam = eam;
-            self.votes.touch(at);
-        }
-        (self.rules.len() == eams.len()).then_some(self)
-    }
-
     /// Calls `found` with each matching rule, in population order.
     pub fn for_each_match(
         &self,

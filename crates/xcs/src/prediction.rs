@@ -107,13 +107,9 @@ impl PredictionSums {
     /// divides by the fitness of all of \[M\] (`over_match_set`). XCS divides by the fitness of the
     /// rules with the action.
     pub fn array(&self, actions: usize, over_match_set: bool) -> PredictionArray {
-        let all: f64 = self.sums.iter().map(|(_, fitness)| fitness).sum();
         let mut array = PredictionArray::new(actions);
         for action in Action::all(actions) {
-            let (weighted, own) = self.sums[action.index()];
-            if own > 0.0 {
-                array.set(action, weighted / if over_match_set { all } else { own });
-            }
+            array.value[action.index()] = self.value(action, over_match_set);
         }
         array
     }

@@ -6,7 +6,7 @@ use super::classifier::Classifier;
 use super::condition::Condition;
 use super::handles::ClassifierId;
 use super::population::Population;
-use super::prediction::{PredictionArray, PredictionSums};
+use super::prediction::PredictionSums;
 use super::representation::Representation;
 use crate::signal::Action;
 
@@ -69,11 +69,6 @@ impl<C: Representation> MatchSet<C> {
         advocates.is_some_and(|ids| !ids.is_empty())
     }
 
-    /// Returns the prediction array of `actions` actions (Eq. 6).
-    pub(super) fn prediction(&self, actions: usize, over_match_set: bool) -> PredictionArray {
-        self.sums.array(actions, over_match_set)
-    }
-
     /// Returns the sums that the action values are computed from.
     pub(super) fn sums(&self) -> &PredictionSums {
         &self.sums
@@ -105,14 +100,9 @@ impl<C: Representation> MatchSet<C> {
         self.micro
     }
 
-    /// Returns the number of macro-classifiers in \[M\] when it was formed.
-    pub fn len(&self) -> usize {
-        self.members.iter().map(Vec::len).sum()
-    }
-
     /// Returns true if no rule matches.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.micro == 0
     }
 
     /// Returns \[A\]: the rules of \[M\] that advocate `action`. Returns `None` if \[M\] was never
