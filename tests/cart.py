@@ -3,9 +3,10 @@
 
 Usage: cart.py XCSCR WORLD... [--trials N] [--dtcontrol PROGRAM]     needs scikit-learn
 
-For each world and seed, xcscr-plus learns on the grid with the percept as its state. The decisions of its rules in all
-cells are then given to scikit-learn. Of equally good actions the tree may use any: each of 100 fits draws one at random,
-and the tree with the fewest leaves counts. A rule's conditions are its bits that are not "don't care"; a tree's
+For each world and seed, xcscr-plus learns on the grid with the percept as its state. The decisions of the fewest rules
+that `xcscr rules` prints, in all cells, are then given to scikit-learn. Of equally good actions the tree may use any:
+each of 100 fits draws one at random, and the tree with the fewest leaves counts. Values that differ by a thousandth are
+equally good, as for `xcscr rules`. A rule's conditions are its bits that are not "don't care"; a tree's
 conditions are the tests on the paths to all of its leaves. dtControl gets all equally good actions of each percept and
 determinises by itself; its presets `maxfreq` and `mlentropy` are run, and the tree with the fewest leaves counts.
 """
@@ -21,6 +22,8 @@ from pathlib import Path
 from sklearn.tree import DecisionTreeClassifier
 
 FITS = 100
+# Values that differ by less than this share are equally good.
+NEARLY = 1e-3
 PRESETS = ["maxfreq", "mlentropy"]
 # Column and row, clockwise from north.
 AROUND = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)]
@@ -44,15 +47,15 @@ def percepts(world):
 
 
 def best_actions(rules, percept):
-    """Returns the actions of the greatest fitness-weighted prediction; none where no rule matches."""
+    """Returns the actions of nearly the greatest fitness-weighted prediction; none where no rule matches."""
     sums = {}
     for rule in rules:
         if all(c in ("#", bit) for c, bit in zip(rule["condition"], percept)):
             weighed, fitness = sums.get(rule["action"], (0.0, 0.0))
             sums[rule["action"]] = (weighed + rule["prediction"] * rule["fitness"], fitness + rule["fitness"])
     values = {action: weighed / fitness for action, (weighed, fitness) in sums.items()}
-    greatest = max(values.values(), default=None)
-    return [action for action, value in values.items() if value == greatest]
+    greatest = max(values.values(), default=0)
+    return [action for action, value in values.items() if value >= greatest - NEARLY * abs(greatest)]
 
 
 def smallest_tree(decisions, seed):
@@ -92,10 +95,11 @@ def smallest_of_dtcontrol(program, decisions):
 
 def compare(xcscr, world, seed, dtcontrol):
     with tempfile.TemporaryDirectory() as folder:
-        what = ["--arena", "grid", "--record", "none", "--quiet", "--json"]
+        what = ["--arena", "grid", "--sensor", "neighbours", "--record", "none", "--quiet"]
         command = [xcscr, "train", world, *what, "--seed", str(seed), "--out", f"{folder}/run"]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        rules = json.loads(Path(f"{folder}/run/rules.json").read_text())["percept-rules"]["rules"]
+        printed = subprocess.run([xcscr, "rules", f"{folder}/run", "--json"], check=True, capture_output=True)
+        rules = json.loads(printed.stdout)["percept-rules"]["rules"]
     decided = [(percept, best_actions(rules, percept)) for percept in percepts(world)]
     decisions = [one for one in decided if one[1]]
     conditions = sum(16 - rule["condition"].count("#") for rule in rules)
