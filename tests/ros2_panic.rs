@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::path::PathBuf;
 use std::time::SystemTime;
 
-use xcscr::drive::{DriveOptions, DriveSetup, Driver, DriverOptions, NodeOptions};
+use xcscr::drive::{DriveOptions, DriveSetup, Driver, DriverOptions, NodeOptions, PoseSource};
 use xcscr::ros2::DriveReport;
 use xcscr::run::RunFolder;
 
@@ -33,6 +33,8 @@ fn a_panic_stops_the_robot() {
         sim_time: true,
         stamped: false,
         dry_run: false,
+        source: PoseSource::Own,
+        reads_joints: false,
     };
     let (decisions, steps) = (Cell::new(0), Cell::new(0));
     let stop = || {

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
 use xcscr::drive::DriveRecording;
-use xcscr::drive::{DriveOptions, DriveSetup, Driver, DriverOptions, Fault, Frames, ScanOrder};
+use xcscr::drive::{
+    DriveOptions, DriveSetup, Driver, DriverOptions, Fault, Frames, PoseSource, ScanOrder, Wheels,
+};
 use xcscr::trial::RobotProfile;
 
 use super::choices;
@@ -37,6 +39,17 @@ pub struct DriveArgs {
     /// cell].
     #[arg(long, value_name = "X,Y,YAW", value_parser = node::pose, allow_hyphen_values = true)]
     start: Option<[f64; 3]>,
+    /// Deviation of the robot from the start pose: in metres, and in radians [default: 0.01,0.01].
+    #[arg(long, value_name = "M,RAD", value_parser = node::numbers::<2>)]
+    start_tolerance: Option<[f64; 2]>,
+    /// Where the pose comes from: the own filter, or the transform from map to odom on /tf, such as
+    /// of AMCL.
+    #[arg(long, value_name = "SOURCE", default_value = "own")]
+    localise: Localise,
+    /// Take the ways of the wheels from /joint_states: the names of the left and the right joint, and
+    /// the radius of the wheels in metres. For robots whose odometry has the heading of the IMU.
+    #[arg(long, value_name = "LEFT,RIGHT,M", value_parser = node::wheels)]
+    wheels: Option<Wheels>,
     /// Pose of the lidar on the robot: x and y in metres, heading in radians [default: by
     /// /tf_static].
     #[arg(long, value_name = "X,Y,YAW", value_parser = node::pose, allow_hyphen_values = true)]
@@ -77,7 +90,22 @@ enum StampOf {
     First,
 }
 
+/// Where the pose comes from.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Localise {
+    Own,
+    Tf,
+}
+
 impl DriveArgs {
+    /// Returns where the pose comes from.
+    fn source(&self) -> PoseSource {
+        match self.localise {
+            Localise::Own => PoseSource::Own,
+            Localise::Tf => PoseSource::Tf,
+        }
+    }
+
     fn setup(&self) -> Result<DriveSetup, Failure> {
         let (plan, knowledge) = learned::of_run(&self.run, self.run.is_file())?;
         let mut frames = Frames::default().with_prefix(&self.frame_prefix);
@@ -90,6 +118,9 @@ impl DriveArgs {
             start: self.start,
             laser: self.laser,
             frames,
+            source: self.source(),
+            start_tolerance: self.start_tolerance,
+            wheels: self.wheels.clone(),
             scan_order: match self.reversed_scans {
                 None => ScanOrder::Forward,
                 Some(StampOf::Last) => ScanOrder::Reversed,
@@ -117,6 +148,8 @@ pub fn run(args: &DriveArgs, out: &mut Results) -> Result<(), Failure> {
         sim_time: args.sim_time,
         stamped: args.stamped,
         dry_run: args.dry_run,
+        source: args.source(),
+        reads_joints: args.wheels.is_some(),
     };
     drive(setup, &options, (&args.file(), args.force), out)
 }

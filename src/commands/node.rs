@@ -1,7 +1,7 @@
 //! Arguments of the commands that are ROS 2 nodes.
 
 use xcscr::ErrorKind;
-use xcscr::drive::NodeOptions;
+use xcscr::drive::{NodeOptions, Wheels};
 
 use super::failure::Failure;
 
@@ -75,6 +75,24 @@ fn is_local(variable: Variable<'_>) -> Result<bool, Failure> {
 pub fn pose(text: &str) -> Result<[f64; 3], String> {
     let fault = || "a pose is x,y,yaw: two lengths in metres and an angle in radians".to_owned();
     super::choices::numbers(text).ok_or_else(fault)
+}
+
+/// Parses numbers that are separated by commas.
+pub fn numbers<const COUNT: usize>(text: &str) -> Result<[f64; COUNT], String> {
+    super::choices::numbers(text).ok_or_else(|| format!("must be {COUNT} numbers with commas"))
+}
+
+/// Parses the joints of the wheels.
+pub fn wheels(text: &str) -> Result<Wheels, String> {
+    let fault = || "must be the names of two joints and a length in metres".to_owned();
+    let parts: Vec<&str> = text.split(',').collect();
+    let [left, right, radius] = parts[..] else {
+        return Err(fault());
+    };
+    Ok(Wheels {
+        joints: [left, right].map(str::to_owned),
+        radius_m: radius.parse().map_err(|_| fault())?,
+    })
 }
 
 /// Returns the failure of a build without ROS 2.

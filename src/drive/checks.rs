@@ -13,13 +13,14 @@ const SECOND_NS: f64 = 1e9;
 const DISAGREEMENT_NS: u64 = 1_000_000_000;
 /// The speeds that are possible, as a multiple of the largest commanded ones. Wheels overshoot, and
 /// hands turn a robot.
-const FASTER: f64 = 3.0;
+pub const FASTER: f64 = 3.0;
 /// The distance in metres and the turn in radians that odometry may be off between two messages, beside
 /// the way at a possible speed.
-const ODOMETRY_STEP: [f64; 2] = [0.05, 0.2];
+pub const STEP_M: f64 = 0.05;
+const STEP_RAD: f64 = 0.2;
 /// The longest time in nanoseconds for which a way between two messages is possible. After it the
 /// robot has stopped by its own time-out.
-const MOST_WAY_NS: u64 = 1_000_000_000;
+pub const MOST_WAY_NS: u64 = 1_000_000_000;
 /// The maximum share of ranges that are not a number.
 const INVALID: f64 = 0.5;
 /// The least share of the beams of a scan that return. A lidar that is covered returns nothing.
@@ -135,8 +136,8 @@ impl Checks {
             let passed_s = passed_ns.min(MOST_WAY_NS) as f64 / SECOND_NS;
             let moved = pose.inverse() * odometry.pose;
             let (way_m, turned_rad) = (moved.translation.vector.norm(), moved.rotation.angle());
-            let most_m = ODOMETRY_STEP[0] + passed_s * forward_mps;
-            let most_rad = ODOMETRY_STEP[1] + passed_s * turn_radps;
+            let most_m = STEP_M + passed_s * forward_mps;
+            let most_rad = STEP_RAD + passed_s * turn_radps;
             found.push(("the way in m since the last message", way_m, most_m));
             found.push((
                 "the turn in rad since the last message",

@@ -1,99 +1,34 @@
 //! The state machine that drives a robot with a policy.
 
-use nalgebra::{Isometry2, Matrix3};
+use nalgebra::Isometry2;
 use xcscr_sensing::Readings as StepOfSensors;
 
 use super::fault::{Fault, Mislocalised};
+use super::given::{Given, PoseSource};
 use super::localisation::Localisation;
 use super::obstacle::{Braking, Obstacles};
 use super::readings::Readings;
 use super::setup::DriveSetup;
+use super::step::{Belief, Decision, DriverStep, Phase};
 use super::timeline::Timeline;
 use super::watch::{Watch, Watched};
+use super::wheels::WheelWatch;
 use crate::agent::{Agent, Explorer, Frozen};
-use crate::arena::{Outcome, Pilot, Speeds};
+use crate::arena::{Pilot, Speeds};
 use crate::streams::StreamName;
-use crate::world::{Cell, Maze};
+use crate::world::Maze;
+use xcs::Action;
 use xcs::random::Stream;
-use xcs::{Action, Condition, Percept, PredictionArray};
 
 /// The number of lidar turns before the first decision.
 const TURNS_BEFORE_START: f64 = 2.0;
-
-/// The estimated position of the robot.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Belief {
-    /// The time of the newest odometry, in nanoseconds of the robot's clock.
-    pub stamp_ns: u64,
-    /// The pose of the robot in the map frame, in metres.
-    pub robot_in_map: Isometry2<f64>,
-    /// The covariance of x, y (metres) and heading (radians) in the map frame.
-    pub covariance: Matrix3<f64>,
-    /// The pose of the odometry frame in the map frame.
-    pub odom_in_map: Isometry2<f64>,
-    /// The cell; `None` outside of the maze.
-    pub cell: Option<Cell>,
-}
-
-/// A decision of the policy.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Decision {
-    /// The number of the decision, from 1.
-    pub number: u32,
-    /// The time, in nanoseconds of the robot's clock.
-    pub stamp_ns: u64,
-    /// The estimated cell.
-    pub cell: Cell,
-    /// The percept.
-    pub percept: Percept,
-    /// The value of each action.
-    pub values: PredictionArray,
-    /// The chosen action.
-    pub action: Action,
-    /// The condition of the rule with the largest weight; `None` if no rule decided.
-    pub rule: Option<Condition>,
-    /// The decision and its reason as text.
-    pub words: String,
-}
-
-/// The phase of a drive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Phase {
-    /// Waiting for the first scan and odometry.
-    Waiting,
-    /// At rest for the first lidar turns.
-    LookingRound,
-    /// Driving to another cell.
-    Driving,
-    /// At rest, until the onboard computer has processed the readings of the arrival.
-    Settling,
-    /// In a goal cell. The drive is over.
-    AtGoal,
-    /// The step threshold is reached. The drive is over.
-    OutOfSteps,
-}
-
-/// The result of a driver step.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DriverStep {
-    /// The commanded speeds; rest if there is a fault.
-    pub command: Speeds,
-    /// The current faults; empty if there are none.
-    pub faults: Vec<Fault>,
-    /// The phase of the drive.
-    pub phase: Phase,
-    /// The estimated position; `None` before the first readings.
-    pub belief: Option<Belief>,
-    /// The decision made in this step; `None` in most steps.
-    pub decision: Option<Decision>,
-    /// The outcome of the last action, if the action ended in this step.
-    pub outcome: Option<Outcome>,
-}
 
 /// Drives a robot with a policy: sensor readings in, commands out. Independent of ROS.
 pub struct Driver {
     setup: DriveSetup,
     watch: Watch,
+    given: Given,
+    wheels: Option<WheelWatch>,
     timeline: Timeline,
     pilot: Pilot,
     localisation: Localisation,
@@ -117,6 +52,11 @@ impl Driver {
         let (physics, maze) = (&setup.physics, &setup.maze);
         Self {
             watch: Watch::new(&setup),
+            given: Given::new(&setup),
+            wheels: setup
+                .wheels
+                .clone()
+                .map(|wheels| WheelWatch::new(wheels, physics.max_speed_mps)),
             timeline: Timeline::new(physics.wheel_base_m),
             pilot: Pilot::new(physics, maze),
             localisation: Localisation::new(physics.lidar.beams),
@@ -155,8 +95,9 @@ impl Driver {
     /// Call this when readings arrive, and at least every 50 ms.
     pub fn step(&mut self, steady_ns: u64, readings: &Readings) -> DriverStep {
         let watched = self.watch.step(steady_ns, readings);
+        let mut faults = self.take_outside(steady_ns, readings);
         self.take_in(&watched);
-        let mut faults = watched.faults;
+        faults.extend(watched.faults);
         if self.last_fault.is_none() {
             self.last_fault = faults.iter().find(|fault| fault.is_final()).cloned();
         }
@@ -183,6 +124,28 @@ impl Driver {
         step
     }
 
+    /// Takes in poses from outside, and the angles of the wheels. Returns their faults.
+    fn take_outside(&mut self, steady_ns: u64, readings: &Readings) -> Vec<Fault> {
+        let taken = self.given.step(steady_ns, readings, &self.setup);
+        let mut faults = taken.faults;
+        if taken.begins_again {
+            self.phase = Phase::Waiting;
+            self.action = None;
+        }
+        if let Some(start) = taken.start_in_grid {
+            self.setup.start_in_grid = start;
+        }
+        if let Some(wheels) = &mut self.wheels {
+            let odometry_ns = self.timeline.latest().map(|(time_ns, ..)| time_ns);
+            let (rolled, found) = wheels.step(steady_ns, readings, odometry_ns);
+            rolled
+                .into_iter()
+                .for_each(|one| self.timeline.add_wheels(one));
+            faults.extend(found);
+        }
+        faults
+    }
+
     /// Passes readings to the onboard computer, and checks its estimates.
     fn take_in(&mut self, watched: &Watched<'_>) {
         for odometry in &watched.odometry {
@@ -204,6 +167,9 @@ impl Driver {
             && let Some(readings) = self.timeline.next_step()
         {
             let before = self.pilot.estimate().0;
+            if let Some(pose) = self.told_at(self.timeline.time_ns()) {
+                self.pilot.tell(pose);
+            }
             self.pilot.sense(&StepOfSensors {
                 rolled_m: readings.rolled_m,
                 turned_rad: readings.turned_rad,
@@ -233,11 +199,26 @@ impl Driver {
         let Some((time_ns, ..)) = self.timeline.latest().filter(|_| self.has_scan) else {
             return;
         };
+        let start = match self.setup.source {
+            PoseSource::Own => Some(self.setup.start_in_grid),
+            PoseSource::Tf => self.told_at(time_ns),
+        };
+        let Some(start) = start else {
+            return;
+        };
         self.timeline.begin(time_ns);
-        self.pilot.put_down(self.setup.start_in_grid);
+        let tolerance = self.setup.start_tolerance;
+        self.pilot.put_down_within(start, tolerance);
         let turns_ns = TURNS_BEFORE_START * self.turn_ns() as f64;
         self.until_ns = time_ns + turns_ns as u64;
         self.phase = Phase::LookingRound;
+    }
+
+    /// Returns the pose in the grid frame at a time, by the other localiser; `None` without one.
+    fn told_at(&self, time_ns: u64) -> Option<Isometry2<f64>> {
+        let in_map = self.given.odom_in_map()? * self.timeline.pose_at(time_ns)?;
+        let grid = self.setup.maze.grid_in_map();
+        Some(grid.unwrap_or_else(Isometry2::identity).inverse() * in_map)
     }
 
     fn turn_ns(&self) -> u64 {
@@ -265,6 +246,7 @@ impl Driver {
             covariance: maze.covariance_in_map(self.pilot.estimate().1),
             odom_in_map: robot_in_map * robot_in_odom.inverse(),
             cell: maze.cell_in_grid(in_grid.translation.vector.into()),
+            is_own: self.setup.source == PoseSource::Own,
         })
     }
 

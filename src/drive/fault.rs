@@ -107,6 +107,36 @@ pub enum Fault {
     /// The number of other nodes that publish commands.
     #[error("{}", other_publishers(*.0))]
     OtherPublisher(usize),
+    /// No pose of the other localiser for this many seconds.
+    #[error("no transform from map to odom on /tf for {0:.2} s")]
+    NoLocalisation(f64),
+    /// A pose of the other localiser is not of numbers.
+    #[error("the transform from map to odom on /tf is not of numbers")]
+    InvalidLocalisation,
+    /// The pose of the other localiser jumped. The robot begins again.
+    #[error("the transform from map to odom on /tf jumped by {by_m:.2} m and {by_rad:.2} rad")]
+    LocalisationJumped {
+        /// The distance in metres.
+        by_m: f64,
+        /// The turn in radians.
+        by_rad: f64,
+    },
+    /// The pose of the operator cannot be a start, for this reason.
+    #[error("the pose on /initialpose {0}; give another one")]
+    InvalidStart(String),
+    /// No angles of the wheels for this many seconds.
+    #[error("no angles of the wheels on /joint_states for {0:.2} s")]
+    NoJoints(f64),
+    /// A wheel is missing, its angle is not a number, or it has turned farther than it can.
+    #[error(
+        "the joint `{joint}` on /joint_states is at {angle_rad} rad; restart the driver if this lasts"
+    )]
+    InvalidJoints {
+        /// The name of the joint.
+        joint: String,
+        /// Its angle.
+        angle_rad: f64,
+    },
     /// The robot is not at its estimated position. Final.
     #[error("mislocalised: {0}; restart the driver")]
     Mislocalised(Mislocalised),
@@ -148,6 +178,12 @@ impl Fault {
             | Self::WrongFrame { .. }
             | Self::WrongLidar { .. }
             | Self::NoLaserPose(_)
+            | Self::NoLocalisation(_)
+            | Self::InvalidLocalisation
+            | Self::LocalisationJumped { .. }
+            | Self::InvalidStart(_)
+            | Self::NoJoints(_)
+            | Self::InvalidJoints { .. }
             | Self::TiltedLidar(_)
             | Self::WrongQos { .. }
             | Self::OtherPublisher(_) => false,

@@ -76,9 +76,7 @@ impl Mounting {
             scan.angle_min_rad = -scan.angle_min_rad;
             scan.angle_increment_rad = -scan.angle_increment_rad;
         }
-        let ahead = pose.rotation * Vector3::x();
-        let at = pose.translation.vector;
-        let laser_in_base = Isometry2::new(Vector2::new(at.x, at.y), libm::atan2(ahead.y, ahead.x));
+        let laser_in_base = on_floor(&pose);
         Ok(MountedScan {
             scan,
             laser_in_base,
@@ -97,6 +95,13 @@ impl Mounting {
         }
         None
     }
+}
+
+/// Returns the pose on the floor: the heading of the x axis, and the point below.
+pub fn on_floor(pose: &Isometry3<f64>) -> Isometry2<f64> {
+    let ahead = pose.rotation * Vector3::x();
+    let at = pose.translation.vector;
+    Isometry2::new(Vector2::new(at.x, at.y), libm::atan2(ahead.y, ahead.x))
 }
 
 #[cfg(test)]

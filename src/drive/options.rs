@@ -1,5 +1,7 @@
 //! Options of the ROS 2 nodes (feature `ros2`) for the driver and the simulated robot.
 
+use super::given::PoseSource;
+
 /// The namespace and domain of a node.
 #[derive(Debug, Clone)]
 pub struct NodeOptions {
@@ -22,6 +24,10 @@ pub struct DriverOptions {
     pub stamped: bool,
     /// Decide, but publish nothing on `/cmd_vel`.
     pub dry_run: bool,
+    /// Where the pose of the robot comes from.
+    pub source: PoseSource,
+    /// Read the angles of the wheels.
+    pub reads_joints: bool,
 }
 
 /// Options of the simulated robot node.

@@ -113,6 +113,17 @@ impl Transform {
     }
 }
 
+/// The angles of joints (`sensor_msgs/msg/JointState`).
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointAngles {
+    /// The time, in nanoseconds of the robot's clock.
+    pub stamp_ns: u64,
+    /// The names of the joints.
+    pub names: Vec<String>,
+    /// The angle of each joint.
+    pub angles_rad: Vec<f64>,
+}
+
 /// Dead reckoning (`nav_msgs/msg/Odometry`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Odometry {
@@ -157,6 +168,12 @@ pub struct Readings {
     pub imu: Vec<Imu>,
     /// The transforms of `/tf_static`.
     pub static_transforms: Vec<Transform>,
+    /// The transforms of `/tf`.
+    pub transforms: Vec<Transform>,
+    /// The poses of `/initialpose`. Their child has no name.
+    pub initial_poses: Vec<Transform>,
+    /// The angles of the wheels, and of other joints.
+    pub joints: Vec<JointAngles>,
     /// The last message on `/clock`, for a robot in simulated time; `None` if the robot uses the
     /// clock of this machine.
     pub clock_ns: Option<u64>,
@@ -172,7 +189,13 @@ impl Readings {
         earlier
             .static_transforms
             .append(&mut self.static_transforms);
+        earlier.transforms.append(&mut self.transforms);
+        earlier.initial_poses.append(&mut self.initial_poses);
+        earlier.joints.append(&mut self.joints);
         self.imu = earlier.imu;
         self.static_transforms = earlier.static_transforms;
+        self.transforms = earlier.transforms;
+        self.initial_poses = earlier.initial_poses;
+        self.joints = earlier.joints;
     }
 }

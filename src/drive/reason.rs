@@ -1,7 +1,7 @@
 //! Explanations of decisions.
 
-use super::driver::Decision;
 use super::setup::DriveSetup;
+use super::step::Decision;
 use crate::agent::Frozen;
 
 /// Adds the rule with the largest weight and a text that explains the decision.

@@ -2,9 +2,12 @@
 
 use nalgebra::{Isometry2, Vector2};
 use serde_json::Value;
+use xcscr_sensing::PUT_DOWN;
 
 use super::checks::Frames;
+use super::given::PoseSource;
 use super::readings::ScanOrder;
+use super::wheels::Wheels;
 use crate::agent::Knowledge;
 use crate::arena::{ArenaKind, Localisation, PhysicsParams, check_fit};
 use crate::sensor::Sensor;
@@ -25,6 +28,9 @@ pub struct DriveSetup {
     pub(super) laser_in_base: Option<Isometry2<f64>>,
     pub(super) frames: Frames,
     pub(super) scan_order: ScanOrder,
+    pub(super) source: PoseSource,
+    pub(super) start_tolerance: [f64; 2],
+    pub(super) wheels: Option<Wheels>,
 }
 
 /// Differences between a drive and the run whose policy it uses.
@@ -44,6 +50,13 @@ pub struct DriveOptions {
     pub frames: Frames,
     /// The order in which scans list their beams.
     pub scan_order: ScanOrder,
+    /// Where the pose of the robot comes from.
+    pub source: PoseSource,
+    /// The deviations of the start pose: in metres, and in radians. `None` for a centimetre and 0.6
+    /// degrees.
+    pub start_tolerance: Option<[f64; 2]>,
+    /// The joints of the wheels; `None` to compute the ways of the wheels from odometry.
+    pub wheels: Option<Wheels>,
 }
 
 impl DriveSetup {
@@ -93,6 +106,9 @@ impl DriveSetup {
             laser_in_base: options.laser.map(pose),
             frames: options.frames,
             scan_order: options.scan_order,
+            source: options.source,
+            start_tolerance: tolerance(&maze, options.start_tolerance)?,
+            wheels: options.wheels.map(checked).transpose()?,
             sensor: config.sensor,
             step_threshold: config.settings.reward.step_threshold,
             seed: config.seed,
@@ -171,8 +187,31 @@ pub(super) fn in_grid(maze: &Maze, in_map: [f64; 3]) -> Isometry2<f64> {
     grid.inverse() * pose(in_map)
 }
 
+/// Returns the deviations of the start pose.
+fn tolerance(maze: &Maze, given: Option<[f64; 2]>) -> Result<[f64; 2], Error> {
+    let [off_m, off_rad] = given.unwrap_or(PUT_DOWN);
+    let most_m = maze.cell_size_m() / 4.0;
+    match (0.001..=most_m).contains(&off_m) && (0.001..=0.5).contains(&off_rad) {
+        true => Ok([off_m, off_rad]),
+        false => Err(refusal(format!(
+            "the start tolerance is {off_m} m and {off_rad} rad, but must be from 0.001 to {most_m} m, a quarter of a \
+             cell, and from 0.001 to 0.5 rad"
+        ))),
+    }
+}
+
+fn checked(wheels: Wheels) -> Result<Wheels, Error> {
+    match (0.005..=0.5).contains(&wheels.radius_m) {
+        true => Ok(wheels),
+        false => Err(refusal(format!(
+            "the radius of the wheels is {} m, but must be from 0.005 to 0.5 m",
+            wheels.radius_m
+        ))),
+    }
+}
+
 /// Returns the start pose in the grid frame.
-fn start(maze: &Maze, given: Option<[f64; 3]>) -> Result<Isometry2<f64>, Error> {
+pub(super) fn start(maze: &Maze, given: Option<[f64; 3]>) -> Result<Isometry2<f64>, Error> {
     let Some(given) = given else {
         let no_start = "the world has no fixed start cell; pass `--start x,y,yaw` in the map frame";
         let cell = maze.start().ok_or_else(|| refusal(no_start))?;

@@ -12,6 +12,7 @@ use xcscr_sensing::{Return, STEP_S};
 
 use super::mounting::MountedScan;
 use super::readings::{Imu, Odometry, Scan};
+use super::wheels::Rolled;
 use crate::arena::Speeds;
 
 /// A step of the onboard computer in nanoseconds.
@@ -62,6 +63,8 @@ pub struct Timeline {
     samples: VecDeque<OdometrySample>,
     /// The integrated gyro: the time, and the angle turned.
     gyro: VecDeque<(u64, f64)>,
+    /// The ways of the wheels by their joints; empty if odometry gives them.
+    wheels: VecDeque<Rolled>,
     beams: VecDeque<Beam>,
     /// The time up to which the onboard computer has processed all readings.
     time_ns: u64,
@@ -76,6 +79,7 @@ impl Timeline {
             wheel_base_m,
             samples: VecDeque::new(),
             gyro: VecDeque::new(),
+            wheels: VecDeque::new(),
             beams: VecDeque::new(),
             time_ns: 0,
             horizon_ns: 0,
@@ -118,6 +122,11 @@ impl Timeline {
             None => 0.0,
         };
         self.gyro.push_back((imu.stamp_ns, angle_rad));
+    }
+
+    /// Adds the ways of the wheels at a time after all earlier ones. They replace those from odometry.
+    pub fn add_wheels(&mut self, rolled: Rolled) {
+        self.wheels.push_back(rolled);
     }
 
     /// Adds a lidar turn, which must be newer than all earlier turns. The onboard computer counts `beams`
@@ -194,7 +203,8 @@ impl Timeline {
     /// Returns the readings of the next step of the onboard computer, once odometry and scans reach
     /// its end.
     pub fn next_step(&mut self) -> Option<StepReadings> {
-        let latest_ns = self.samples.back()?.time_ns;
+        let of_wheels = self.wheels.back().map_or(u64::MAX, |rolled| rolled.0);
+        let latest_ns = self.samples.back()?.time_ns.min(of_wheels);
         let end_ns = self.time_ns + STEP_NS;
         let is_late = end_ns + MOST_LAG_NS <= latest_ns;
         if end_ns > latest_ns || (end_ns > self.horizon_ns && !is_late) {
@@ -211,6 +221,9 @@ impl Timeline {
     }
 
     fn rolled(&self, from_ns: u64, to_ns: u64) -> Option<[f64; 2]> {
+        if let (Some(from), Some(to)) = (self.wheels_at(from_ns), self.wheels_at(to_ns)) {
+            return Some([to[0] - from[0], to[1] - from[1]]);
+        }
         let at = |time_ns| {
             let (before, after, share) = self.around(time_ns)?;
             let between = |a: f64, b: f64| a + share * (b - a);
@@ -222,6 +235,19 @@ impl Timeline {
         let ([from_m, from_rad], [to_m, to_rad]) = (at(from_ns)?, at(to_ns)?);
         let half_m = (to_rad - from_rad) * self.wheel_base_m / 2.0;
         Some([to_m - from_m - half_m, to_m - from_m + half_m])
+    }
+
+    /// Returns the ways of the wheels at a time. Outside of the known times, returns the oldest or newest
+    /// known ways.
+    fn wheels_at(&self, time_ns: u64) -> Option<[f64; 2]> {
+        let next = self.wheels.partition_point(|rolled| rolled.0 < time_ns);
+        let after = self.wheels.get(next).or(self.wheels.back())?;
+        let before = next.checked_sub(1).and_then(|at| self.wheels.get(at));
+        let before = before.unwrap_or(after);
+        let whole_ns = after.0.saturating_sub(before.0).max(1);
+        let share = time_ns.saturating_sub(before.0) as f64 / whole_ns as f64;
+        let share = share.min(1.0);
+        Some([0, 1].map(|wheel| before.1[wheel] + share * (after.1[wheel] - before.1[wheel])))
     }
 
     /// Returns the angle turned according to the gyro; `None` if the gyro does not cover the
@@ -278,6 +304,9 @@ impl Timeline {
     fn forget(&mut self, from_ns: u64) {
         while self.samples.get(1).is_some_and(|s| s.time_ns <= from_ns) {
             self.samples.pop_front();
+        }
+        while self.wheels.get(1).is_some_and(|w| w.0 <= from_ns) {
+            self.wheels.pop_front();
         }
         while self.gyro.get(1).is_some_and(|g| g.0 <= from_ns) {
             self.gyro.pop_front();

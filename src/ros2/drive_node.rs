@@ -3,16 +3,20 @@
 use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use ros2_client::{Gid, Publisher, Subscription};
-use serde::Serialize;
+use ros2_client::{Publisher, Subscription};
+use serde::de::DeserializeOwned;
 
+use super::latency::Latency;
 use super::link::{Link, STAMPED, TWIST, best_effort, drain, latched, reliable};
+use super::velocity::Velocity;
+use crate::Error;
 use crate::arena::Speeds;
 use crate::drive::DriveBag;
-use crate::drive::drive_messages::{Clock, Imu, Text, Twist, TwistStamped};
+use crate::drive::drive_messages::{Clock, Imu, JointState, Text};
 use crate::drive::messages::{EstimatedPose, LaserScan, MAP, ODOM, Odometry, Transforms};
-use crate::drive::{Driver, DriverOptions, DriverStep, Fault, Network, Phase, Readings};
-use crate::{Error, ErrorKind};
+use crate::drive::{
+    Driver, DriverOptions, DriverStep, Fault, Network, Phase, PoseSource, Readings, Transform,
+};
 
 /// The control period: the longest time between two calls of the driver.
 const PERIOD: Duration = Duration::from_millis(50);
@@ -25,6 +29,7 @@ const GRACE_PERIOD: Duration = Duration::from_millis(200);
 const SCAN: [&str; 2] = ["sensor_msgs", "LaserScan"];
 const ODOMETRY: [&str; 2] = ["nav_msgs", "Odometry"];
 const TRANSFORMS: [&str; 2] = ["tf2_msgs", "TFMessage"];
+const JOINTS: [&str; 2] = ["sensor_msgs", "JointState"];
 
 /// A report of an event during a drive.
 #[derive(Debug)]
@@ -33,19 +38,6 @@ pub enum DriveReport<'a> {
     Step(&'a DriverStep),
     /// The faults changed. Empty if the drive continues.
     Faults(&'a [Fault]),
-}
-
-/// The latency from a scan to the next command, in milliseconds.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Latency {
-    /// The number of scans.
-    pub count: usize,
-    /// The median.
-    pub median_ms: f64,
-    /// The 99th percentile.
-    pub p99_ms: f64,
-    /// The maximum.
-    pub most_ms: f64,
 }
 
 /// The result of a drive.
@@ -62,51 +54,21 @@ pub struct DriveSummary {
     pub latency: Latency,
 }
 
-/// The publisher of commands.
-enum Velocity {
-    Plain(Publisher<Twist>),
-    Stamped(Publisher<TwistStamped>),
-}
-
-impl Velocity {
-    fn gid(&self) -> Gid {
-        match self {
-            Self::Plain(to) => to.gid(),
-            Self::Stamped(to) => to.gid(),
-        }
-    }
-
-    fn publish(&self, time_ns: u64, speeds: Speeds) -> Result<(), Error> {
-        let fault = |cause: String| {
-            let message = format!("cannot publish on /cmd_vel: {cause}");
-            ErrorKind::Io.error(message)
-        };
-        match self {
-            Self::Plain(to) => to
-                .publish(speeds.into())
-                .map_err(|cause| fault(format!("{cause:?}"))),
-            Self::Stamped(to) => to
-                .publish(TwistStamped::new(time_ns, speeds))
-                .map_err(|cause| fault(format!("{cause:?}"))),
-        }
-    }
-}
-
-fn publisher_of<M: Serialize>(link: &mut Link, kind: [&str; 2]) -> Result<Publisher<M>, Error> {
-    link.publisher("cmd_vel", kind, &reliable())
-}
-
 struct DriveNode {
     link: Link,
     scan: Subscription<LaserScan>,
     odom: Subscription<Odometry>,
     imu: Subscription<Imu>,
     tf_static: Subscription<Transforms>,
+    /// The transforms of another localiser.
+    localiser: Option<Subscription<Transforms>>,
+    initial_pose: Option<Subscription<EstimatedPose>>,
+    joints: Option<Subscription<JointState>>,
     clock: Option<Subscription<Clock>>,
     cmd_vel: Option<Velocity>,
     /// The message type of commands.
     velocity: [&'static str; 2],
-    /// Transforms; `None` in a dry run, beside another localiser.
+    /// Transforms; `None` in a dry run, and with another localiser.
     tf: Option<Publisher<Transforms>>,
     pose: Publisher<EstimatedPose>,
     decision: Publisher<Text>,
@@ -134,19 +96,30 @@ impl DriveNode {
             odom: link.subscription("odom", ODOMETRY, &best_effort())?,
             imu: link.subscription("imu", ["sensor_msgs", "Imu"], &best_effort())?,
             tf_static: link.subscription("tf_static", TRANSFORMS, &latched())?,
+            localiser: match options.source {
+                PoseSource::Own => None,
+                PoseSource::Tf => Some(link.subscription("tf", TRANSFORMS, &best_effort())?),
+            },
+            initial_pose: match options.source {
+                PoseSource::Own => Some(link.subscription("initialpose", pose, &best_effort())?),
+                PoseSource::Tf => None,
+            },
+            joints: match options.reads_joints {
+                true => Some(link.subscription("joint_states", JOINTS, &best_effort())?),
+                false => None,
+            },
             clock: match options.sim_time {
                 true => Some(link.subscription("clock", clock, &best_effort())?),
                 false => None,
             },
-            cmd_vel: match (options.dry_run, options.stamped) {
-                (true, _) => None,
-                (false, false) => Some(Velocity::Plain(publisher_of(&mut link, TWIST)?)),
-                (false, true) => Some(Velocity::Stamped(publisher_of(&mut link, STAMPED)?)),
+            cmd_vel: match options.dry_run {
+                true => None,
+                false => Some(Velocity::open(&mut link, options.stamped)?),
             },
             velocity: if options.stamped { STAMPED } else { TWIST },
-            tf: match options.dry_run {
-                true => None,
-                false => Some(link.publisher("tf", TRANSFORMS, &reliable())?),
+            tf: match (options.dry_run, options.source) {
+                (false, PoseSource::Own) => Some(link.publisher("tf", TRANSFORMS, &reliable())?),
+                _ => None,
             },
             pose: link.publisher("xcscr/pose", pose, &reliable())?,
             decision: link.publisher("xcscr/decision", text, &reliable())?,
@@ -177,11 +150,10 @@ impl DriveNode {
                     .map(|(odometry, _)| odometry.into())
                     .collect(),
                 imu: imu.iter().map(|(imu, _)| imu.into()).collect(),
-                static_transforms: drain(&self.tf_static)
-                    .iter()
-                    .flat_map(|(message, _)| &message.transforms)
-                    .map(Into::into)
-                    .collect(),
+                static_transforms: transforms(Some(&self.tf_static)),
+                transforms: transforms(self.localiser.as_ref()),
+                initial_poses: converted(self.initial_pose.as_ref()),
+                joints: converted(self.joints.as_ref()),
                 clock_ns: self.clock_ns,
                 network: self.network.clone(),
             },
@@ -233,6 +205,23 @@ impl DriveNode {
         }
         Ok(())
     }
+}
+
+/// Returns the waiting messages of a topic as readings.
+fn converted<M, R>(topic: Option<&Subscription<M>>) -> Vec<R>
+where
+    M: DeserializeOwned + 'static,
+    R: for<'a> From<&'a M>,
+{
+    let messages = topic.into_iter().flat_map(drain);
+    messages.map(|(message, _)| R::from(&message)).collect()
+}
+
+/// Returns the waiting transforms of a topic.
+fn transforms(topic: Option<&Subscription<Transforms>>) -> Vec<Transform> {
+    let messages = topic.into_iter().flat_map(drain);
+    let all = messages.flat_map(|(message, _)| message.transforms);
+    all.map(|transform| Transform::from(&transform)).collect()
 }
 
 /// Commands rest when the drive ends for any reason, including a panic.
@@ -357,22 +346,6 @@ impl Drive {
         self.decisions += u32::from(step.decision.is_some());
         if step.decision.is_some() || step.outcome.is_some() {
             report(DriveReport::Step(step));
-        }
-    }
-}
-
-impl Latency {
-    fn of(mut all_ms: Vec<f64>) -> Self {
-        all_ms.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            let last = all_ms.len().checked_sub(1)?;
-            all_ms.get((share * last as f64).ceil() as usize).copied()
-        };
-        Self {
-            count: all_ms.len(),
-            median_ms: at(0.5).unwrap_or(0.0),
-            p99_ms: at(0.99).unwrap_or(0.0),
-            most_ms: at(1.0).unwrap_or(0.0),
         }
     }
 }

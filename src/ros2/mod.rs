@@ -4,8 +4,11 @@
 //! the topics, their quality of service, and the loops that move messages.
 
 mod drive_node;
+mod latency;
 mod link;
 mod robot_node;
+mod velocity;
 
-pub use drive_node::{DriveReport, DriveSummary, Latency, drive};
+pub use drive_node::{DriveReport, DriveSummary, drive};
+pub use latency::Latency;
 pub use robot_node::simulate;

@@ -16,7 +16,7 @@ mod readings;
 mod sensors;
 mod whole;
 
-pub use onboard::{Field, Obstacles, Onboard, Surface, Surroundings};
+pub use onboard::{Field, Obstacles, Onboard, PUT_DOWN, Surface, Surroundings};
 pub use params::{
     BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams, RobotParams,
 };

@@ -45,6 +45,16 @@ pub struct Imu {
     pub linear_acceleration_covariance: [f64; 9],
 }
 
+/// `sensor_msgs/msg/JointState`.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct JointState {
+    pub header: Header,
+    pub name: Vec<String>,
+    pub position: Vec<f64>,
+    pub velocity: Vec<f64>,
+    pub effort: Vec<f64>,
+}
+
 /// `rosgraph_msgs/msg/Clock`.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub struct Clock {
@@ -96,6 +106,23 @@ impl Pose {
     }
 }
 
+impl Pose {
+    /// Returns the pose in space. Its numbers may be invalid, like those of the message. The rotation is
+    /// not a number if the orientation is none.
+    fn in_space(&self) -> Isometry3<f64> {
+        let Quaternion { x, y, z, w } = self.orientation;
+        let w = match self.orientation.is_rotation() {
+            true => w,
+            false => f64::NAN,
+        };
+        let at = self.position;
+        Isometry3::from_parts(
+            Translation3::new(at.x, at.y, at.z),
+            UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z)),
+        )
+    }
+}
+
 impl Quaternion {
     /// Returns true for a rotation. Drivers round, but a quaternion of zeros is none.
     fn is_rotation(self) -> bool {
@@ -107,48 +134,83 @@ impl Quaternion {
 
 impl From<&TransformStamped> for drive::Transform {
     fn from(message: &TransformStamped) -> Self {
-        let Pose {
-            position,
-            orientation,
-        } = message.transform;
-        let Quaternion { x, y, z, w } = orientation;
-        let rotation = match orientation.is_rotation() {
-            true => nalgebra::Quaternion::new(w, x, y, z),
-            false => nalgebra::Quaternion::new(f64::NAN, x, y, z),
-        };
         Self {
             parent: message.header.frame_id.to_string(),
             child: message.child_frame_id.to_string(),
-            pose: Isometry3::from_parts(
-                Translation3::new(position.x, position.y, position.z),
-                UnitQuaternion::new_normalize(rotation),
-            ),
+            pose: message.transform.in_space(),
+        }
+    }
+}
+
+impl From<&EstimatedPose> for drive::Transform {
+    fn from(message: &EstimatedPose) -> Self {
+        Self {
+            parent: message.header.frame_id.to_string(),
+            child: String::new(),
+            pose: message.pose.pose.in_space(),
+        }
+    }
+}
+
+impl From<&drive::Transform> for EstimatedPose {
+    fn from(pose: &drive::Transform) -> Self {
+        Self {
+            header: header(0, pose.parent.clone()),
+            pose: PoseWithCovariance {
+                pose: Pose::from(&pose.pose),
+                covariance: UNKNOWN,
+            },
+        }
+    }
+}
+
+impl From<&Isometry3<f64>> for Pose {
+    fn from(pose: &Isometry3<f64>) -> Self {
+        let (at, turn) = (pose.translation, pose.rotation);
+        Self {
+            position: Vector3 {
+                x: at.x,
+                y: at.y,
+                z: at.z,
+            },
+            orientation: Quaternion {
+                x: turn.i,
+                y: turn.j,
+                z: turn.k,
+                w: turn.w,
+            },
+        }
+    }
+}
+
+impl From<&JointState> for drive::JointAngles {
+    fn from(message: &JointState) -> Self {
+        Self {
+            stamp_ns: message.header.stamp.nanoseconds(),
+            names: message.name.clone(),
+            angles_rad: message.position.clone(),
+        }
+    }
+}
+
+impl From<&drive::JointAngles> for JointState {
+    fn from(joints: &drive::JointAngles) -> Self {
+        Self {
+            header: header(joints.stamp_ns, ""),
+            name: joints.names.clone(),
+            position: joints.angles_rad.clone(),
+            velocity: Vec::new(),
+            effort: Vec::new(),
         }
     }
 }
 
 impl From<&[drive::Transform]> for Transforms {
     fn from(all: &[drive::Transform]) -> Self {
-        let message = |transform: &drive::Transform| {
-            let at = transform.pose.translation;
-            let turn = transform.pose.rotation;
-            TransformStamped {
-                header: header(0, transform.parent.clone()),
-                child_frame_id: transform.child.clone().into(),
-                transform: Pose {
-                    position: Vector3 {
-                        x: at.x,
-                        y: at.y,
-                        z: at.z,
-                    },
-                    orientation: Quaternion {
-                        x: turn.i,
-                        y: turn.j,
-                        z: turn.k,
-                        w: turn.w,
-                    },
-                },
-            }
+        let message = |transform: &drive::Transform| TransformStamped {
+            header: header(0, transform.parent.clone()),
+            child_frame_id: transform.child.clone().into(),
+            transform: Pose::from(&transform.pose),
         };
         Self {
             transforms: all.iter().map(message).collect(),

@@ -8,7 +8,7 @@ use byteorder::LittleEndian;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::drive_messages::{Clock, Imu, Text, Twist};
+use super::drive_messages::{Clock, Imu, JointState, Text, Twist};
 use super::messages::{EstimatedPose, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, Transforms};
 use super::topics::BagTopic;
 use super::writer::{ENCAPSULATION, RosWriter, encoded};
@@ -19,10 +19,12 @@ use crate::record::{fault, records};
 use crate::world::Maze;
 
 /// The topics of the file.
-const TOPICS: [BagTopic; 11] = [
+const TOPICS: [BagTopic; 13] = [
     BagTopic::Scan,
     BagTopic::Odom,
     BagTopic::Imu,
+    BagTopic::JointStates,
+    BagTopic::InitialPose,
     BagTopic::Clock,
     BagTopic::CmdVel,
     BagTopic::Tf,
@@ -95,6 +97,16 @@ impl DriveBag {
         for odometry in &readings.odometry {
             self.write(BagTopic::Odom, time_ns, &Odometry::from(odometry))?;
         }
+        if !readings.transforms.is_empty() {
+            let transforms = Transforms::from(&readings.transforms[..]);
+            self.write(BagTopic::Tf, time_ns, &transforms)?;
+        }
+        for joints in &readings.joints {
+            self.write(BagTopic::JointStates, time_ns, &JointState::from(joints))?;
+        }
+        for pose in &readings.initial_poses {
+            self.write(BagTopic::InitialPose, time_ns, &EstimatedPose::from(pose))?;
+        }
         for imu in &readings.imu {
             self.write(BagTopic::Imu, time_ns, &Imu::from(imu))?;
         }
@@ -103,12 +115,11 @@ impl DriveBag {
         }
         self.write(BagTopic::CmdVel, time_ns, &Twist::from(step.command))?;
         if let Some(belief) = &step.belief {
-            let frames = [(MAP, ODOM, belief.odom_in_map)];
-            self.write(
-                BagTopic::Tf,
-                time_ns,
-                &Transforms::new(belief.stamp_ns, &frames),
-            )?;
+            if belief.is_own {
+                let frames = [(MAP, ODOM, belief.odom_in_map)];
+                let transforms = Transforms::new(belief.stamp_ns, &frames);
+                self.write(BagTopic::Tf, time_ns, &transforms)?;
+            }
             self.write(BagTopic::Pose, time_ns, &EstimatedPose::from(belief))?;
         }
         if let Some(decision) = &step.decision {
@@ -171,7 +182,7 @@ fn most_kept(size: usize) -> usize {
 }
 
 impl DriveRecording {
-    /// Reads `/scan`, `/odom`, `/imu`, `/tf_static` and `/clock`, in any namespace, from an MCAP file in the
+    /// Reads `/scan`, `/odom`, `/imu`, `/joint_states`, `/initialpose`, `/tf`, `/tf_static` and `/clock`, in any namespace, from an MCAP file in the
     /// encoding of ROS 2.
     ///
     /// # Errors
@@ -228,6 +239,20 @@ impl DriveRecording {
                 self.at(time_ns, *clock_ns)
                     .odometry
                     .push((&odometry).into());
+            }
+            "tf" => {
+                let transforms = decoded::<Transforms>(data)?;
+                let all = &mut self.at(time_ns, *clock_ns).transforms;
+                all.extend(transforms.transforms.iter().map(Into::into));
+            }
+            "joint_states" => {
+                let joints = decoded::<JointState>(data)?;
+                self.at(time_ns, *clock_ns).joints.push((&joints).into());
+            }
+            "initialpose" => {
+                let pose = decoded::<EstimatedPose>(data)?;
+                let all = &mut self.at(time_ns, *clock_ns).initial_poses;
+                all.push((&pose).into());
             }
             "tf_static" => {
                 let transforms = decoded::<Transforms>(data)?;

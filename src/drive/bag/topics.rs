@@ -9,6 +9,8 @@ pub(super) enum BagTopic {
     Pose,
     Scan,
     Imu,
+    JointStates,
+    InitialPose,
     Map,
     Clock,
     CmdVel,
@@ -55,6 +57,8 @@ impl BagTopic {
             Self::Pose => "/pose",
             Self::Scan => "/scan",
             Self::Imu => "/imu",
+            Self::JointStates => "/joint_states",
+            Self::InitialPose => "/initialpose",
             Self::Map => "/map",
             Self::Clock => "/clock",
             Self::CmdVel => "/cmd_vel",
@@ -68,9 +72,12 @@ impl BagTopic {
         match self {
             Self::Tf | Self::TfStatic => interface!("tf2_msgs", "TFMessage"),
             Self::Odom => interface!("nav_msgs", "Odometry"),
-            Self::Pose => interface!("geometry_msgs", "PoseWithCovarianceStamped"),
+            Self::Pose | Self::InitialPose => {
+                interface!("geometry_msgs", "PoseWithCovarianceStamped")
+            }
             Self::Scan => interface!("sensor_msgs", "LaserScan"),
             Self::Imu => interface!("sensor_msgs", "Imu"),
+            Self::JointStates => interface!("sensor_msgs", "JointState"),
             Self::Map => interface!("nav_msgs", "OccupancyGrid"),
             Self::Clock => interface!("rosgraph_msgs", "Clock"),
             Self::CmdVel => interface!("geometry_msgs", "Twist"),

@@ -3,13 +3,14 @@
 mod bags;
 mod faults;
 mod lidars;
+mod localisers;
 mod maps;
 mod messages;
 mod scans;
 
 use std::f64::consts::FRAC_PI_2;
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry2, Isometry3};
 
 use xcscr::agent::Knowledge;
 use xcscr::arena::{Outcome, Speeds};
@@ -56,6 +57,8 @@ struct Rig {
     driver: Driver,
     /// The pose of the lidar.
     mount: Transform,
+    /// The pose by the last odometry.
+    odom: Isometry2<f64>,
     /// The steady clock, which starts at another time than simulated time.
     now_ns: u64,
 }
@@ -69,6 +72,7 @@ impl Rig {
             robot: SimulatedRobot::new(maze, &physics, seed, None).unwrap(),
             driver: Driver::new(setup),
             mount: mount(),
+            odom: Isometry2::identity(),
             now_ns: 7_000_000_000,
         }
     }

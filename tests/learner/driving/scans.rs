@@ -1,5 +1,7 @@
 //! Scans as the drivers of the TurtleBot3 publish them.
 
+use nalgebra::Isometry2;
+
 use super::*;
 
 /// Creates a TurtleBot3 Burger in Maze4.
@@ -23,6 +25,7 @@ pub fn rig_of(profile: &str, maze: Maze, seed: u64, options: DriveOptions) -> Ri
         robot: SimulatedRobot::new(plan.maze, &physics, seed, None).unwrap(),
         driver: Driver::new(setup),
         mount: mount(),
+        odom: Isometry2::identity(),
         now_ns: 7_000_000_000,
     }
 }

@@ -25,6 +25,9 @@ pub use self::obstacles::Obstacles;
 pub use self::surroundings::Surroundings;
 use crate::{Readings, Return, RobotParams};
 
+/// The deviations of the pose where a robot is put down: in metres, and in radians.
+pub const PUT_DOWN: [f64; 2] = [0.01; 2];
+
 /// The onboard computer: pose estimate and local map.
 #[derive(Debug, Clone)]
 pub struct Onboard {
@@ -68,10 +71,22 @@ impl Onboard {
         self
     }
 
-    /// Puts the robot down at rest, at a pose of the grid frame.
+    /// Puts the robot down at rest, at a pose of the grid frame, within about a centimetre and 0.6
+    /// degrees.
     pub fn put_down(&mut self, pose: Isometry2<f64>) {
-        self.estimator.put_down(pose);
+        self.put_down_within(pose, PUT_DOWN);
+    }
+
+    /// Puts the robot down at rest, at a pose of the grid frame with these deviations: in metres, and in
+    /// radians.
+    pub fn put_down_within(&mut self, pose: Isometry2<f64>, deviations: [f64; 2]) {
+        self.estimator.put_down(pose, deviations);
         self.begin_action();
+    }
+
+    /// Takes the pose at the end of the next step from another localiser.
+    pub fn tell(&mut self, pose: Isometry2<f64>) {
+        self.estimator.tell(pose);
     }
 
     /// Begins an action. Clears the local map, so that an observation error cannot persist.

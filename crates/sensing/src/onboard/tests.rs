@@ -45,7 +45,7 @@ fn at(x: f64, y: f64) -> Isometry2<f64> {
 
 fn estimator(x: f64, y: f64) -> Estimator {
     let mut estimator = Estimator::new(&robot());
-    estimator.put_down(at(x, y));
+    estimator.put_down(at(x, y), PUT_DOWN);
     estimator
 }
 
@@ -195,7 +195,7 @@ fn after_disagreeing_beams(batch_check: bool, steps: usize) -> Estimator {
     let mut robot = robot();
     robot.estimator.batch_check = batch_check;
     let mut estimator = Estimator::new(&robot);
-    estimator.put_down(at(0.5, 0.5));
+    estimator.put_down(at(0.5, 0.5), PUT_DOWN);
     let beams = [beam(1.0, 0.0, 1.3), beam(-1.0, 0.0, 1.7)];
     for _ in 0..steps {
         estimator.step(&readings([0.0; 2], 0.0, &beams));
@@ -223,7 +223,7 @@ fn error_of_a_slow_robot(wheel_bias: f64) -> f64 {
     robot.noise = 3.0;
     robot.wheel_bias = wheel_bias;
     let mut estimator = Estimator::new(&robot);
-    estimator.put_down(at(0.5, 0.5));
+    estimator.put_down(at(0.5, 0.5), PUT_DOWN);
     estimator.begin_action();
     for step in 1..=15 {
         let true_x = 0.5 + 0.056 * f64::from(step);

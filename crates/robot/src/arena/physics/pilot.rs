@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Isometry2, Matrix3, Vector2};
-use xcscr_sensing::{Onboard, Readings, STEP_S};
+use xcscr_sensing::{Onboard, PUT_DOWN, Readings, STEP_S};
 
 use super::cautious::profile;
 use super::controller::Maneuver;
@@ -86,10 +86,23 @@ impl Pilot {
 
     /// Sets the pose of the robot at rest, accurate to about a centimetre.
     pub fn put_down(&mut self, pose: Isometry2<f64>) {
+        self.put_down_within(pose, PUT_DOWN);
+    }
+
+    /// Sets the pose of the robot at rest, with these deviations: in metres, and in radians.
+    pub fn put_down_within(&mut self, pose: Isometry2<f64>, deviations: [f64; 2]) {
         self.action = None;
         match &mut self.localiser {
-            Localiser::Onboard(onboard) => onboard.put_down(pose),
+            Localiser::Onboard(onboard) => onboard.put_down_within(pose, deviations),
             Localiser::Told(motion) => *motion = Motion::at_rest(pose),
+        }
+    }
+
+    /// Takes the pose after the next readings from another localiser, for a robot with an onboard
+    /// computer.
+    pub fn tell(&mut self, pose: Isometry2<f64>) {
+        if let Localiser::Onboard(onboard) = &mut self.localiser {
+            onboard.tell(pose);
         }
     }
 

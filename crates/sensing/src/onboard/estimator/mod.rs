@@ -51,6 +51,8 @@ const INFLATION: f64 = 0.08;
 const LAG: f64 = 0.6;
 /// The deviation of the position after detected wheel spin, as a share of the correction.
 const SPIN: f64 = 0.5;
+/// The deviation of a pose from another localiser, in metres and in radians.
+const TOLD_OFF: f64 = 0.01;
 /// The surplus of disagreeing over agreeing beams that triggers a covariance inflation ...
 const MAX_STRAIN: f64 = 2.5;
 /// ... and the share of this surplus that carries over from step to step.
@@ -108,6 +110,8 @@ pub(crate) struct Estimator {
     filter: FilterState,
     /// The rotation from the end of the last step back to each of its beams.
     back: Vec<UnitComplex<f64>>,
+    /// The pose at the end of the next step, if another localiser has found it.
+    told: Option<Isometry2<f64>>,
     /// Along x and y: the last beams of this action that were accepted as ending at walls.
     consistency_checks: [ConsistencyCheck; 2],
 }
@@ -165,6 +169,7 @@ impl Estimator {
             },
             assumed,
             back: Vec::new(),
+            told: None,
             consistency_checks: [ConsistencyCheck::default(); 2],
         }
     }
@@ -179,19 +184,29 @@ impl Estimator {
         self.map.is_some()
     }
 
-    /// Puts the robot down at rest, within a centimetre of `pose`. The calibration of the sensors
-    /// stays.
-    pub fn put_down(&mut self, pose: Isometry2<f64>) {
-        let FilterState { covariance, .. } = &mut self.filter;
-        for at in [X, Y, HEADING] {
-            covariance.row_mut(at).fill(0.0);
-            covariance.column_mut(at).fill(0.0);
-            covariance[(at, at)] = 1e-4;
-        }
-        self.filter.pose = pose;
+    /// Puts the robot down at rest, at `pose` with these deviations: in metres, and in radians. The
+    /// calibration of the sensors stays.
+    pub fn put_down(&mut self, pose: Isometry2<f64>, [off_m, off_rad]: [f64; 2]) {
+        self.place(pose, [off_m, off_m, off_rad]);
         self.filter.slip = Slip::default();
         self.filter.strain = [0.0; 2];
         self.filter.last = LastStep::default();
+    }
+
+    /// Sets the pose, with deviations of x, y and heading that depend on nothing else.
+    fn place(&mut self, pose: Isometry2<f64>, deviations: [f64; 3]) {
+        let FilterState { covariance, .. } = &mut self.filter;
+        for (at, deviation) in [X, Y, HEADING].into_iter().zip(deviations) {
+            covariance.row_mut(at).fill(0.0);
+            covariance.column_mut(at).fill(0.0);
+            covariance[(at, at)] = square(deviation);
+        }
+        self.filter.pose = pose;
+    }
+
+    /// Takes the pose at the end of the next step from another localiser, instead of correcting it.
+    pub fn tell(&mut self, pose: Isometry2<f64>) {
+        self.told = Some(pose);
     }
 
     /// Returns the estimated pose in the grid frame, in metres.
@@ -252,6 +267,10 @@ impl Estimator {
         let back = |beam: &Return| rotation((beam.moment - 1.0) * turned_rad);
         self.back.clear();
         self.back.extend(readings.beams.iter().map(back));
+        if let Some(pose) = self.told.take() {
+            self.place(pose, [TOLD_OFF; 3]);
+            return;
+        }
         for (number, beam) in readings.beams.iter().enumerate() {
             self.take_in(&self.ray(beam, self.back[number]));
         }

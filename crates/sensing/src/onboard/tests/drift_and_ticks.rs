@@ -10,7 +10,7 @@ fn heading_error(gyro_scale: f64, gyro_walk_radps: f64, drift_radps2: f64) -> f6
     robot.gyro.scale = gyro_scale;
     robot.estimator.gyro_walk_radps = gyro_walk_radps;
     let mut estimator = Estimator::new(&robot);
-    estimator.put_down(at(0.5, 0.5));
+    estimator.put_down(at(0.5, 0.5), PUT_DOWN);
     let (mut heading, mut bias_rad) = (0.0, 0.0);
     for step in 0..4_000 {
         // Quarter turns with rests, more of them to the left.
