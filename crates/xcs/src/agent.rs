@@ -6,6 +6,7 @@ use crate::bounds::{OutOfRange, within};
 use crate::condition::Condition;
 use crate::learner::{Learned, Xcs};
 use crate::params::{GREATEST_POPULATION, Params};
+use crate::population::Population;
 use crate::random::Stream;
 use crate::representation::Representation;
 use crate::sets::{ActionSet, MatchSet, SavedActionSet, SavedMatchSet};
@@ -26,6 +27,8 @@ pub struct Agent<C: Representation = Condition> {
     /// p_explr: the probability that a learning step takes a random action instead of one of the
     /// best; 0 to 1. By default 0.5.
     pub exploration: f64,
+    /// epsilon_0 as a share of the largest absolute reward so far. By default `None`: epsilon_0 is that of the parameters.
+    pub error_share: Option<f64>,
     xcs: Xcs<C>,
     match_set: MatchSet<C>,
     /// True if `update` formed \[M\] for the next call of `act`.
@@ -41,6 +44,7 @@ pub struct Agent<C: Representation = Condition> {
 #[serde(bound = "C: Representation")]
 pub struct AgentState<C: Representation = Condition> {
     learned: Learned<C>,
+    epsilon_0: f64,
     choices: Stream,
     formed: Option<SavedMatchSet<C>>,
     waiting: Option<SavedActionSet<C>>,
@@ -80,6 +84,7 @@ impl<C: Representation> Agent<C> {
         Ok(Self {
             gamma: 0.71,
             exploration: 0.5,
+            error_share: None,
             xcs: Xcs::with_settings(params, settings, actions, evolution),
             match_set: MatchSet::default(),
             is_formed: false,
@@ -91,6 +96,12 @@ impl<C: Representation> Agent<C> {
     /// Returns the learner.
     pub fn xcs(&self) -> &Xcs<C> {
         &self.xcs
+    }
+
+    /// Continues with rules made elsewhere in place of \[P\].
+    pub fn start_from(&mut self, rules: &Population<C>) {
+        self.end_episode();
+        self.xcs.start_from(rules);
     }
 
     /// Returns whether an action waits for its reward.
@@ -106,8 +117,8 @@ impl<C: Representation> Agent<C> {
         let action = if explores && self.choices.chance(self.exploration) {
             Action::wide(self.choices.below(self.xcs.actions()))
         } else {
-            let values = |action| self.match_set.sums().value(action, self.over_match_set());
-            let best = best_of(self.xcs.actions(), values);
+            let sums = self.match_set.sums();
+            let best = sums.best(self.xcs.actions(), self.over_match_set());
             self.choices.choose(&best).copied()
         };
         self.waiting = action.and_then(|action| self.match_set.action_set(action));
@@ -137,6 +148,10 @@ impl<C: Representation> Agent<C> {
         let Some(set) = self.waiting.take() else {
             return;
         };
+        if let Some(share) = self.error_share {
+            let epsilon_0 = &mut self.xcs.params.epsilon_0;
+            *epsilon_0 = (share * reward.abs()).max(*epsilon_0);
+        }
         let mut payoff = reward;
         if let Some(next) = next {
             self.xcs.form_match_set(next, &mut self.match_set);
@@ -159,8 +174,7 @@ impl<C: Representation> Agent<C> {
     /// number if several actions are best.
     pub fn best_action(&mut self, percept: &C::Percept) -> Option<Action> {
         let sums = self.xcs.population().sums(percept);
-        let values = |action| sums.value(action, self.over_match_set());
-        let best = best_of(self.xcs.actions(), values);
+        let best = sums.best(self.xcs.actions(), self.over_match_set());
         self.choices.choose(&best).copied()
     }
 
@@ -169,6 +183,7 @@ impl<C: Representation> Agent<C> {
         let population = self.xcs.population();
         AgentState {
             learned: self.xcs.learned(),
+            epsilon_0: self.xcs.params.epsilon_0,
             choices: self.choices.clone(),
             formed: self
                 .is_formed
@@ -182,9 +197,10 @@ impl<C: Representation> Agent<C> {
     /// nothing, if the state cannot come from such an agent.
     pub fn restore(&mut self, state: AgentState<C>) -> bool {
         let mut xcs = self.xcs.clone();
-        if !xcs.resume(state.learned) {
+        if !(xcs.resume(state.learned) && state.epsilon_0 > 0.0) {
             return false;
         }
+        xcs.params.epsilon_0 = state.epsilon_0;
         let (population, actions) = (xcs.population(), xcs.actions());
         let formed = state.formed.map(|set| set.restored(population, actions));
         let waiting = state.waiting.map(|set| set.restored(population, actions));
@@ -202,14 +218,6 @@ impl<C: Representation> Agent<C> {
     fn over_match_set(&self) -> bool {
         self.xcs.params().value_over_match_set
     }
-}
-
-/// Returns all of `actions` actions with the greatest value.
-fn best_of(actions: usize, value: impl Fn(Action) -> Option<f64>) -> Vec<Action> {
-    let all = Action::wide_all(actions);
-    let greatest = all.clone().filter_map(&value).reduce(f64::max);
-    all.filter(|&action| greatest.is_some() && value(action) == greatest)
-        .collect()
 }
 
 #[cfg(test)]
@@ -238,6 +246,27 @@ mod tests {
         let value = |percept, action: Action| agent.xcs().action_values(percept)[action.index()];
         assert_eq!(value(&second, last), Some(100.0));
         assert_eq!(value(&first, action), Some(76.0));
+    }
+
+    #[test]
+    fn epsilon_0_follows_the_largest_reward_and_is_restored() {
+        let mut agent: Agent = agent(2, ());
+        agent.xcs.params.epsilon_0 = 1e-9;
+        agent.error_share = Some(0.01);
+        let percept = "01".parse().unwrap();
+        let mut learned = |reward| {
+            agent.act(&percept, true);
+            agent.update(reward, None);
+            agent.xcs().params().epsilon_0
+        };
+        assert_eq!(
+            [0.0, 1.0, -100.0, 5.0].map(&mut learned),
+            [1e-9, 0.01, 1.0, 1.0]
+        );
+        let state = agent.state();
+        let mut other: Agent = super::Agent::new(Params::default(), (), 2, 1).unwrap();
+        assert!(other.restore(state));
+        assert_eq!(other.xcs().params().epsilon_0, 1.0);
     }
 
     #[test]

@@ -5,26 +5,45 @@ use std::collections::BTreeSet;
 
 use crate::classifier::Classifier;
 use crate::population::Population;
-use crate::prediction::{PredictionArray, PredictionSums};
-use crate::signal::{Action, Percept};
+use crate::prediction::PredictionSums;
+use crate::representation::Representation;
+use crate::signal::Action;
 
 /// Returns rules of `population` that choose, in each percept, only actions that all rules together rate best there, or
-/// nearly so ([`PredictionArray::is_nearly_best`]).
+/// nearly so ([`PredictionArray::is_nearly_best`](crate::PredictionArray::is_nearly_best)).
 ///
 /// Chooses rules that are right wherever they match, the one that covers the most percepts first. Percepts without such
 /// a rule get rules of a chosen action, the fittest first, or else all rules that match. Then drops every rule without which no
 /// decision changes, least general first, and exchanges two rules or more for one where this changes no decision. A
-/// percept in which no rule has a value is ignored. The rules keep their statistics.
-pub fn fewest_rules(population: &Population, percepts: &[Percept], actions: usize) -> Population {
-    let task = Task::new(population, percepts, actions);
+/// percept in which no rule has a value is ignored. The rules keep their statistics. The result depends on the order of
+/// the percepts.
+pub fn fewest_rules<C: Representation>(
+    population: &Population<C>,
+    percepts: &[C::Percept],
+    actions: usize,
+) -> Population<C> {
+    let decisions = percepts.iter().map(|percept| {
+        let decision = population.sums(percept).nearly_best(actions);
+        (percept, decision)
+    });
+    fewest_for(population, decisions, actions)
+}
+
+/// Returns rules of `population` that choose, in each percept, only actions of its decision, where some rules do.
+pub(super) fn fewest_for<'a, C: Representation + 'a>(
+    population: &Population<C>,
+    decisions: impl Iterator<Item = (&'a C::Percept, Vec<Action>)>,
+    actions: usize,
+) -> Population<C> {
+    let mut task = Task::new(population, decisions, actions);
     let mut kept = task.cover();
     task.complete(&mut kept);
     task.drop_redundant(&mut kept, 0..population.rules().len());
     task.exchange(&mut kept);
     let rules = population.rules().iter().zip(kept);
-    let rules: Vec<Classifier> = rules
+    let rules: Vec<Classifier<C>> = rules
         .filter(|(_, kept)| *kept)
-        .map(|(rule, _)| *rule)
+        .map(|(rule, _)| rule.clone())
         .collect();
     rules
         .try_into()
@@ -32,40 +51,46 @@ pub fn fewest_rules(population: &Population, percepts: &[Percept], actions: usiz
 }
 
 /// The decisions to keep.
-struct Task<'a> {
-    rules: &'a [Classifier],
+struct Task<'a, C: Representation> {
+    rules: &'a [Classifier<C>],
     actions: usize,
-    /// By percept: the decisions of all rules.
-    decisions: Vec<PredictionArray>,
+    /// By percept: the decision, which is one or more actions.
+    decisions: Vec<Vec<Action>>,
+    /// By percept: true if all rules together do not make the decision.
+    lost: Vec<bool>,
     /// By percept: the rules that match it.
     matching: Vec<Vec<usize>>,
     /// By rule: the percepts that it matches.
     matched: Vec<Vec<usize>>,
 }
 
-impl<'a> Task<'a> {
-    fn new(population: &'a Population, percepts: &[Percept], actions: usize) -> Self {
+impl<'a, C: Representation> Task<'a, C> {
+    fn new<'b>(
+        population: &'a Population<C>,
+        decisions: impl Iterator<Item = (&'b C::Percept, Vec<Action>)>,
+        actions: usize,
+    ) -> Self
+    where
+        C: 'b,
+    {
         let rules = population.rules();
-        let mut percepts = percepts.to_vec();
-        percepts.sort_unstable();
-        percepts.dedup();
         let mut task = Self {
             rules,
             actions,
             decisions: Vec::new(),
+            lost: Vec::new(),
             matching: Vec::new(),
             matched: vec![Vec::new(); rules.len()],
         };
-        for percept in percepts {
-            let decision = population.sums(&percept).array(actions, false);
-            if decision.greatest().is_some() {
-                task.add(&percept, decision);
+        for (percept, decision) in decisions {
+            if !decision.is_empty() {
+                task.add(percept, decision);
             }
         }
         task
     }
 
-    fn add(&mut self, percept: &Percept, decision: PredictionArray) {
+    fn add(&mut self, percept: &C::Percept, decision: Vec<Action>) {
         let rules = self.rules.iter().enumerate();
         let matching = rules.filter(|(_, rule)| rule.condition.matches(percept));
         let matching: Vec<usize> = matching.map(|(rule, _)| rule).collect();
@@ -73,6 +98,7 @@ impl<'a> Task<'a> {
             self.matched[rule].push(self.decisions.len());
         }
         self.decisions.push(decision);
+        self.lost.push(false);
         self.matching.push(matching);
     }
 
@@ -99,7 +125,7 @@ impl<'a> Task<'a> {
     }
 
     /// Adds rules to percepts whose decision is not kept, one by one: first those of a chosen action, the fittest first.
-    fn complete(&self, kept: &mut [bool]) {
+    fn complete(&mut self, kept: &mut [bool]) {
         while let Some(at) = (0..self.decisions.len()).find(|&at| !self.keeps_decision(at, kept)) {
             let missing = self.matching[at]
                 .iter()
@@ -110,9 +136,11 @@ impl<'a> Task<'a> {
                 let by_choice = self.chooses(at, a.action).cmp(&self.chooses(at, b.action));
                 by_choice.then(a.fitness.total_cmp(&b.fitness))
             });
-            // With all rules that match, the decision is kept but for rounding.
-            let Some(next) = next else { return };
-            kept[next] = true;
+            // With all rules that match, a decision of the population is kept but for rounding.
+            match next {
+                Some(next) => kept[next] = true,
+                None => self.lost[at] = true,
+            }
         }
     }
 
@@ -165,17 +193,17 @@ impl<'a> Task<'a> {
     }
 
     fn chooses(&self, at: usize, action: Action) -> bool {
-        self.decisions[at].is_nearly_best(action)
+        self.decisions[at].contains(&action)
     }
 
-    /// Returns true if the kept rules choose only actions in a percept that all rules choose there.
+    /// Returns true if the kept rules choose only actions of the decision in a percept, or if no rules do.
     fn keeps_decision(&self, at: usize, kept: &[bool]) -> bool {
         let mut sums = PredictionSums::default();
         let rules = self.matching[at].iter().filter(|&&rule| kept[rule]);
         rules.for_each(|&rule| sums.add(&self.rules[rule]));
-        let values = sums.array(self.actions, false);
-        let mut chosen = values.best_actions();
-        values.greatest().is_some() && chosen.all(|action| self.chooses(at, action))
+        let chosen = sums.best(self.actions, false);
+        let is_kept = !chosen.is_empty() && chosen.iter().all(|&action| self.chooses(at, action));
+        is_kept || self.lost[at]
     }
 }
 
@@ -183,6 +211,7 @@ impl<'a> Task<'a> {
 mod tests {
     use super::*;
     use crate::params::Params;
+    use crate::signal::Percept;
 
     /// Returns a rule that matches the percepts whose bit `at` of `width` bits is set.
     fn rule(at: usize, width: usize, fitness: f64) -> Classifier {
@@ -224,7 +253,9 @@ mod tests {
             .collect();
         assert_eq!(kept, ["##1##", "###1#", "####1"]);
 
-        let task = Task::new(&population, &percepts, 1);
+        let decision = vec![Action::new(0).unwrap()];
+        let decisions = percepts.iter().map(|percept| (percept, decision.clone()));
+        let mut task = Task::new(&population, decisions, 1);
         let mut kept = task.cover();
         task.complete(&mut kept);
         task.drop_redundant(&mut kept, 0..5);

@@ -54,6 +54,7 @@ pub mod random;
 
 mod agent;
 mod classifier;
+mod compaction;
 mod condition;
 mod deletion;
 mod fewest;
@@ -79,6 +80,7 @@ mod limits;
 
 pub use agent::{Agent, AgentState};
 pub use classifier::Classifier;
+pub use compaction::compacted;
 pub use condition::{Condition, ConditionError};
 pub use fewest::fewest_rules;
 pub use handles::ClassifierId;

@@ -48,7 +48,7 @@ impl PredictionArray {
     /// bonus for time in the reward of a success (Eq. 7) makes such differences.
     pub fn is_nearly_best(&self, action: Action) -> bool {
         let values = self.get(action).zip(self.greatest());
-        values.is_some_and(|(value, greatest)| value >= greatest - NEARLY * greatest.abs())
+        values.is_some_and(|(value, greatest)| is_nearly(value, greatest))
     }
 
     /// Returns all actions with the greatest value.
@@ -57,6 +57,11 @@ impl PredictionArray {
         Action::all(self.actions)
             .filter(move |&action| greatest.is_some() && self.get(action) == greatest)
     }
+}
+
+/// Returns true if a value is the greatest one, or nearly so.
+fn is_nearly(value: f64, greatest: f64) -> bool {
+    value >= greatest - NEARLY * greatest.abs()
 }
 
 /// The sums that action values are computed from.
@@ -101,6 +106,36 @@ impl PredictionSums {
         };
         let total = if over_match_set { all().sum() } else { own };
         (own > 0.0).then(|| weighted / total)
+    }
+
+    /// Returns those of `actions` actions that have the greatest value; none if no action has a value. Also works for wide
+    /// actions.
+    pub(super) fn best(&self, actions: usize, over_match_set: bool) -> Vec<Action> {
+        self.chosen(actions, over_match_set, |value, greatest| value == greatest)
+    }
+
+    /// Returns those of `actions` actions that are nearly best, as [`PredictionArray::is_nearly_best`] does.
+    pub(super) fn nearly_best(&self, actions: usize) -> Vec<Action> {
+        self.chosen(actions, false, is_nearly)
+    }
+
+    /// Returns the actions whose value is good enough compared with the greatest.
+    fn chosen(
+        &self,
+        actions: usize,
+        over_match_set: bool,
+        is_enough: impl Fn(f64, f64) -> bool,
+    ) -> Vec<Action> {
+        let values =
+            Action::wide_all(actions).map(|action| (action, self.value(action, over_match_set)));
+        let values: Vec<(Action, f64)> = values
+            .filter_map(|(action, value)| Some((action, value?)))
+            .collect();
+        let greatest = values.iter().map(|&(_, value)| value).reduce(f64::max);
+        let enough = values
+            .iter()
+            .filter(|&&(_, value)| greatest.is_some_and(|greatest| is_enough(value, greatest)));
+        enough.map(|&(action, _)| action).collect()
     }
 
     /// Returns the fitness-weighted mean prediction of each of `actions` actions. As printed, Eq. 6
