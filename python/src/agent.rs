@@ -3,12 +3,10 @@
 use pyo3::prelude::*;
 use xcs::bounds::OutOfRange;
 use xcs::random::Stream;
-use xcs::{
-    Action, Condition, IntervalSettings, Intervals, Params, Percept, Population, RealPercept,
-    Representation,
-};
+use xcs::{Action, Condition, IntervalSettings, Intervals, Params, Representation};
 use xcscr_learner::agent::{EnvironmentLearner, EnvironmentParams};
 
+use crate::learner::{Learner, Rule};
 use crate::plan::invalid;
 
 /// The number of table rows learned between two checks for signals such as Ctrl-C.
@@ -16,152 +14,7 @@ const TRIALS_AT_ONCE: u64 = 1000;
 /// The number of the random stream that chooses table rows.
 const ROWS_STREAM: u64 = 2;
 /// The reward of a right answer. A wrong answer gets 0.
-const RIGHT: f64 = 1000.0;
-/// The fault of a state that cannot be restored.
-const REFUSED: &str = "the state is damaged, or from a learner with other arguments";
-
-/// The fault of a learner without a state.
-const UNSAVED: &str = "this learner cannot be saved";
-
-/// The attributes tested by a condition, each with its lower and upper bound.
-pub type Tests = Vec<(usize, f64, f64)>;
-/// Tests, action, prediction, error, fitness, numerosity, experience, set size, time stamp.
-pub type Rule = (Tests, usize, f64, f64, f64, u32, u32, f64, u64);
-
-/// A representation with conversions for Python. Percepts are arrays of numbers.
-pub trait Numeric: Representation {
-    fn percept(values: &[f64]) -> Result<Self::Percept, String>;
-    fn tests(&self) -> Tests;
-}
-
-impl Numeric for Condition {
-    fn percept(values: &[f64]) -> Result<Percept, String> {
-        let bits = Percept::from_bits(values.iter().map(|&value| value >= 0.5));
-        bits.ok_or_else(|| "the percept has more bits than a ternary condition".into())
-    }
-
-    fn tests(&self) -> Tests {
-        let value = |bit| Some(f64::from(u8::from(self.allele(bit)?)));
-        (0..self.width())
-            .filter_map(|bit| value(bit).map(|value| (bit, value, value)))
-            .collect()
-    }
-}
-
-impl Numeric for Intervals {
-    fn percept(values: &[f64]) -> Result<RealPercept, String> {
-        RealPercept::new(values).map_err(|fault| fault.to_string())
-    }
-
-    fn tests(&self) -> Tests {
-        let all = self.bounds().iter().enumerate();
-        all.filter(|(_, bounds)| **bounds != [0.0, 1.0])
-            .map(|(attribute, &[lower, upper])| (attribute, lower, upper))
-            .collect()
-    }
-}
-
-/// A learner with any representation.
-pub trait Learner: Send + Sync {
-    fn act(&mut self, values: &[f64], explores: bool) -> Result<Option<Action>, String>;
-    fn take(&mut self, values: &[f64], action: Action) -> Result<(), String>;
-    fn update(&mut self, reward: f64, next: Option<&[f64]>) -> Result<(), String>;
-    fn end_episode(&mut self);
-    fn is_waiting(&self) -> bool;
-    fn values(&self, values: &[f64]) -> Result<Vec<Option<f64>>, String>;
-    fn rules(&self) -> Vec<Rule>;
-    fn micro(&self) -> u32;
-
-    /// Returns the state. By default, a learner cannot be saved.
-    fn state(&self) -> Result<Vec<u8>, String> {
-        Err(UNSAVED.into())
-    }
-
-    /// Continues from a state.
-    fn restore(&mut self, _: &[u8], _: usize) -> Result<(), String> {
-        Err(UNSAVED.into())
-    }
-}
-
-/// Converts the rules of a population.
-pub fn rules_of<C: Numeric>(population: &Population<C>) -> Vec<Rule> {
-    let rules = population.rules().iter();
-    rules
-        .map(|rule| {
-            (
-                rule.condition.tests(),
-                rule.action.index(),
-                rule.prediction,
-                rule.error,
-                rule.fitness,
-                rule.numerosity,
-                rule.experience,
-                rule.set_size,
-                rule.time_stamp,
-            )
-        })
-        .collect()
-}
-
-impl<C> Learner for xcs::Agent<C>
-where
-    C: Numeric + Send + Sync,
-    C::Percept: Send + Sync,
-    C::Index: Send + Sync,
-    C::Settings: Send + Sync,
-{
-    fn act(&mut self, values: &[f64], explores: bool) -> Result<Option<Action>, String> {
-        Ok(self.act(&C::percept(values)?, explores))
-    }
-
-    fn take(&mut self, values: &[f64], action: Action) -> Result<(), String> {
-        self.take(&C::percept(values)?, action);
-        Ok(())
-    }
-
-    fn update(&mut self, reward: f64, next: Option<&[f64]>) -> Result<(), String> {
-        let next = next.map(C::percept).transpose()?;
-        self.update(reward, next.as_ref());
-        Ok(())
-    }
-
-    fn end_episode(&mut self) {
-        self.end_episode();
-    }
-
-    fn is_waiting(&self) -> bool {
-        self.is_waiting()
-    }
-
-    fn values(&self, values: &[f64]) -> Result<Vec<Option<f64>>, String> {
-        Ok(self.xcs().action_values(&C::percept(values)?))
-    }
-
-    fn rules(&self) -> Vec<Rule> {
-        rules_of(self.xcs().population())
-    }
-
-    fn micro(&self) -> u32 {
-        self.xcs().population().micro()
-    }
-
-    fn state(&self) -> Result<Vec<u8>, String> {
-        postcard::to_allocvec(&self.state()).map_err(|fault| fault.to_string())
-    }
-
-    fn restore(&mut self, state: &[u8], width: usize) -> Result<(), String> {
-        let state = postcard::from_bytes(state).map_err(|_| REFUSED)?;
-        let mut restored = self.clone();
-        let fits = restored.restore(state)
-            && (restored.xcs().population().rules().iter())
-                .all(|rule| rule.condition.width() == width);
-        if fits {
-            *self = restored;
-        }
-        fits.then_some(()).ok_or_else(|| REFUSED.into())
-    }
-}
-
+pub const RIGHT: f64 = 1000.0;
 /// XCS with ternary or interval conditions, or `xcscr-plus`. Percepts are bytes: eight-byte floats in native byte
 /// order.
 #[pyclass(module = "xcscr._native")]
@@ -190,11 +43,11 @@ fn agent<C: Representation>(
     params: Params,
     settings: C::Settings,
     actions: usize,
-    (gamma, exploration): (f64, f64),
+    (gamma, exploration, error_share): (f64, f64, Option<f64>),
     seed: u64,
 ) -> PyResult<xcs::Agent<C>> {
     let mut agent = xcs::Agent::new(params, settings, actions, seed).map_err(out_of_range)?;
-    (agent.gamma, agent.exploration) = (gamma, exploration);
+    (agent.gamma, agent.exploration, agent.error_share) = (gamma, exploration, error_share);
     Ok(agent)
 }
 
@@ -244,7 +97,7 @@ fn numbers(bytes: &[u8]) -> Vec<f64> {
 #[pymethods]
 impl Agent {
     #[new]
-    #[pyo3(signature = (intervals, width, actions, params, spreads, gamma, exploration, seed))]
+    #[pyo3(signature = (intervals, width, actions, params, spreads, gamma, exploration, error_share, seed))]
     #[expect(clippy::too_many_arguments, reason = "called by xcscr.XCS only")]
     fn new(
         intervals: bool,
@@ -254,6 +107,7 @@ impl Agent {
         spreads: &str,
         gamma: f64,
         exploration: f64,
+        error_share: Option<f64>,
         seed: u64,
     ) -> PyResult<Self> {
         let params: Params = settings(params)?;
@@ -262,7 +116,7 @@ impl Agent {
         for (key, value) in [("gamma", gamma), ("p_explore", exploration)] {
             xcs::bounds::within(key, value, 0.0..=1.0).map_err(out_of_range)?;
         }
-        let rates = (gamma, exploration);
+        let rates = (gamma, exploration, error_share);
         let learner: Box<dyn Learner> = if intervals {
             xcs::bounds::within("n_features", width, 1..=1_000_000).map_err(out_of_range)?;
             Box::new(agent::<Intervals>(params, spreads, actions, rates, seed)?)
@@ -354,6 +208,16 @@ impl Agent {
             py.check_signals()?;
         }
         Ok(())
+    }
+
+    /// Keeps the fewest rules that make the same decisions in the rows of a table that are decided rightly. `answers` has
+    /// one byte for each row.
+    fn compact(&mut self, py: Python<'_>, rows: &[u8], answers: &[u8]) -> PyResult<()> {
+        let table = self.table(rows)?;
+        let rows = table.chunks(self.width).zip(answers);
+        let rows = rows.filter_map(|(row, &answer)| Some((row, Action::wide(answer.into())?)));
+        let rows: Vec<_> = rows.collect();
+        py.detach(|| self.learner.compact(&rows)).map_err(invalid)
     }
 
     /// Returns the value of each action in each percept of a table, as bytes of eight-byte floats;

@@ -2,6 +2,7 @@
 
 mod agent;
 mod external;
+mod learner;
 mod plan;
 mod plus;
 mod process;

@@ -3,7 +3,7 @@
 use xcs::{Action, Condition};
 use xcscr_learner::agent::EnvironmentLearner;
 
-use crate::agent::{Learner, Numeric, Rule, rules_of};
+use crate::learner::{Learner, Numeric, Rule, rules_of};
 
 impl Learner for EnvironmentLearner {
     fn act(&mut self, values: &[f64], explores: bool) -> Result<Option<Action>, String> {

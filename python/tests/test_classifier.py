@@ -3,6 +3,7 @@
 import pickle
 import subprocess
 import sys
+import warnings
 
 import numpy
 import pytest
@@ -10,6 +11,7 @@ import pytest
 pytest.importorskip("sklearn")
 
 from sklearn.datasets import load_iris, load_wine  # noqa: E402
+from sklearn.exceptions import ConvergenceWarning  # noqa: E402
 from sklearn.model_selection import GridSearchCV, cross_val_score  # noqa: E402
 from sklearn.utils.estimator_checks import parametrize_with_checks  # noqa: E402
 from xcscr import XCSClassifier  # noqa: E402
@@ -47,9 +49,43 @@ def test_rules_are_in_units_of_the_features_and_name_the_class():
     names = table.target_names[table.target]
     model = XCSClassifier().fit(table.data, names)
     frame = model.rules_frame()
-    assert set(frame["class"]) == {"setosa", "versicolor", "virginica"}
+    assert {"setosa", "versicolor", "virginica"} <= set(frame["class"])
+    assert (frame["class"].str.startswith("not ") == (frame["prediction"] < 500)).all()
     assert any("petal length (cm) <=" in condition for condition in frame["condition"])
     assert model.predict(table.data.iloc[:1]).tolist() == ["setosa"]
+
+
+def test_few_rules_make_the_same_right_decisions_and_all_of_them_advise():
+    pytest.importorskip("pandas")
+    X, y = load_wine(return_X_y=True)
+    model = XCSClassifier(20_000).fit(X[::2], y[::2])
+    few = model.compact(X[::2], y[::2])
+    right = model.predict(X[::2]) == y[::2]
+    assert (few.predict(X[::2]) == y[::2])[right].all()
+    assert len(few.rules()) < 20 < len(model.rules())
+    assert few.score(X[1::2], y[1::2]) > 0.85
+    frame = few.rules_frame()
+    assert set(frame["class"]) == {"0", "1", "2"}, "no rule says what a class is not"
+    assert pickle.loads(pickle.dumps(few)).rules() == few.rules()
+    with pytest.raises(ValueError, match="`y` has the class 7"):
+        model.compact(X, y + 7)
+
+
+def test_the_spread_of_covering_follows_the_features():
+    X = numpy.random.default_rng(1).random((300, 30))
+    y = X[:, 0] > 0.5
+    few, many, given = (XCSClassifier(10, **one).fit(X[:, :width], y).s0_ for width, one in ((2, {}), (30, {}), (30, {"s0": 0.7})))
+    assert 0.1 < few < 1.0 < 2.0 < many
+    assert given == 0.7
+
+
+def test_a_fit_that_is_no_better_than_the_largest_class_warns():
+    X, y = load_iris(return_X_y=True)
+    with pytest.warns(ConvergenceWarning, match="33% of the training rows"):
+        XCSClassifier(1, s0=1000.0).fit(X, y)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ConvergenceWarning)
+        XCSClassifier(2000).fit(X, y)
 
 
 def test_more_classes_than_a_ternary_learner_has_actions_are_learned():

@@ -89,6 +89,16 @@ def test_without_autoreset_lanes_that_are_over_must_be_reset_by_a_mask():
     assert not over.any()
 
 
+def test_the_step_limit_of_make_vec_only_shortens_episodes():
+    for limit, last in ((3, 3), (60, 50)):
+        env = gymnasium.make_vec("xcscr/Maze4-v0", num_envs=1, arena="grid", max_episode_steps=limit)
+        env.reset(seed=1)
+        truncated = [bool(env.step(np.array([0]))[3][0]) for _ in range(last)]
+        assert truncated.index(True) == last - 1, limit
+    with pytest.raises(ValueError, match="`max_episode_steps` is 0"):
+        gymnasium.make_vec("xcscr/Maze4-v0", num_envs=1, max_episode_steps=0)
+
+
 def test_options_of_reset_hold_for_all_lanes_and_mistakes_are_said():
     env = native(3, AutoresetMode.NEXT_STEP, world="maze4", arena="grid")
     with pytest.raises(gymnasium.error.ResetNeeded):

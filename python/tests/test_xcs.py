@@ -56,11 +56,13 @@ def right(learner, env, count=500):
     return numpy.mean([learner.policy(one) == answer for one, answer in zip(inputs, answers, strict=True)])
 
 
+#: Parameters for problems of one step that pay 1000.
+ONE_STEP = {"p_hash": 0.5, "population_size": 800, "epsilon_0": 10.0, "theta_ga": 25, "theta_sub": 20}
+
+
 def multiplexer(seed=1, real=False, steps=6000):
     env = Multiplexer(real)
-    return xcscr.XCS.for_env(env, p_explore=1.0, p_hash=0.5, s0=1.0, population_size=800, seed=seed).fit(
-        env, steps=steps
-    )
+    return xcscr.XCS.for_env(env, p_explore=1.0, seed=seed, **ONE_STEP).fit(env, steps=steps)
 
 
 def test_the_multiplexer_is_learned_in_readable_rules():
@@ -88,10 +90,28 @@ def test_a_multistep_problem_is_learned_with_discounted_values():
     assert "state = 14" in learner.rules()[0].condition or len(learner.rules()) > 0
 
 
+def test_the_defaults_learn_a_problem_of_several_steps():
+    """The controls are the parameters that the package had as defaults, and an epsilon_0 of 1 % of the reward."""
+
+    def reaches_the_goal(seed, **parameters):
+        env = gymnasium.make("FrozenLake-v1", is_slippery=False)
+        learner = xcscr.XCS.for_env(env, seed=seed, **parameters).fit(env, steps=6000)
+        observation, _ = env.reset()
+        reward = done = 0
+        while not done:
+            observation, reward, terminated, truncated, _ = env.step(learner.policy(observation))
+            done = terminated or truncated
+        return reward == 1.0
+
+    earlier = {"gamma": 0.71, "p_explore": 0.5, "p_hash": 0.3, "theta_ga": 25, "theta_sub": 20, "epsilon_0": 10.0}
+    counts = [sum(reaches_the_goal(seed, **given) for seed in range(1, 6)) for given in ({}, earlier)]
+    assert counts[0] == 5 and counts[1] <= 1, counts
+
+
 def test_a_table_of_bits_is_learned():
     percepts = numpy.array([[at >> bit & 1 for bit in range(6)] for at in range(64)])
     actions = percepts[numpy.arange(64), 2 + 2 * percepts[:, 0] + percepts[:, 1]]
-    learner = xcscr.XCS(2, n_bits=6, p_explore=1.0, p_hash=0.5, population_size=800)
+    learner = xcscr.XCS(2, n_bits=6, p_explore=1.0, **ONE_STEP)
     learner.fit_table(percepts, actions, trials=6000)
     assert [learner.policy(one) for one in percepts] == actions.tolist()
     with pytest.raises(ValueError, match="not one of the learner's 2"):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import warnings
 from typing import Any
 
 import numpy
@@ -14,6 +16,7 @@ from .rules import XCSRule, frame_of, rules_of
 
 try:
     from sklearn.base import BaseEstimator, ClassifierMixin  # type: ignore[import-untyped]
+    from sklearn.exceptions import ConvergenceWarning  # type: ignore[import-untyped]
     from sklearn.utils import check_random_state  # type: ignore[import-untyped]
     from sklearn.utils.multiclass import check_classification_targets  # type: ignore[import-untyped]
     from sklearn.utils.validation import check_is_fitted, validate_data  # type: ignore[import-untyped]
@@ -22,6 +25,26 @@ except ImportError as error:
 
 #: A learner has at most this many actions.
 MOST_CLASSES = 256
+#: The reward of a right answer.
+RIGHT = 1000.0
+#: The share of the training rows that a covering condition matches on average, and the number of rows to measure it.
+MATCHED, MOST_PAIRED = 0.2, 100
+#: After `fit`, about this many rows are classified to see whether anything was learned.
+MOST_CHECKED = 2000
+
+
+def _spread(rows: Any) -> float:
+    """Returns the s0 with which a covering condition of one row matches another with the probability `MATCHED`."""
+    some = rows[:: len(rows) // MOST_PAIRED + 1]
+    one, other = numpy.triu_indices(len(some), 1)
+    distances = numpy.abs(some[one] - some[other])
+    low, high = 1e-3, 1e3
+    for _ in range(40):
+        middle = (low * high) ** 0.5
+        # A bound is at a uniform distance of at most s0.
+        matched = (1 - distances / middle).clip(min=0.0).prod(axis=1).sum()
+        low, high = (middle, high) if matched < MATCHED * len(distances) else (low, middle)
+    return float(high)
 
 
 class XCSClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
@@ -35,7 +58,10 @@ class XCSClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     ----------
     iterations : int, default 50000
         The number of learning trials.
-    population_size, beta, alpha, epsilon_0, nu, theta_ga, chi, mu, theta_del, delta, theta_sub, s0, m, \
+    s0 : float or None, default None
+        The largest distance of a bound from the row in covering, as a share of the feature's range. By default, a
+        covering condition matches a fifth of the training rows on average.
+    population_size, beta, alpha, epsilon_0, nu, theta_ga, chi, mu, theta_del, delta, theta_sub, m, \
 initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_subsumption
         See `xcscr.Parameters`.
     random_state : int, RandomState or None, default 1
@@ -47,6 +73,7 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
     n_features_in_ : number of features
     feature_names_in_ : names of the features, if `X` is a data frame
     n_iter_ : number of trials run
+    s0_ : the value of `s0` that was used
     """
 
     def __init__(
@@ -64,7 +91,7 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
         theta_del: int = 20,
         delta: float = 0.1,
         theta_sub: int = 20,
-        s0: float = 1.0,
+        s0: float | None = None,
         m: float = 0.1,
         initial_prediction: float = 0.0,
         initial_error: float = 0.0,
@@ -101,8 +128,8 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
 
     def _untrained(self, width: int, classes: int, seed: int) -> Agent:
         chosen = {key: value for key, value in self.get_params().items() if key not in ("iterations", "random_state")}
-        xcs, spreads = as_json(plain(chosen))
-        return Agent(True, width, classes, xcs, spreads, 0.0, 1.0, seed)
+        xcs, spreads = as_json(plain(chosen | {"s0": self.s0_}))
+        return Agent(True, width, classes, xcs, spreads, 0.0, 1.0, None, seed)
 
     def fit(self, X: Any, y: Any) -> XCSClassifier:
         """Learns rules from the rows of `X` and their classes `y`."""
@@ -114,20 +141,52 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
         iterations = checks.whole("iterations", self.iterations, 1)
         names = named(getattr(self, "feature_names_in_", None), X.shape[1], "x")
         self._percepts = Reals(tuple(X.min(axis=0).tolist()), tuple(X.max(axis=0).tolist()), names)
-        seed = self._seed()
+        seed, rows = self._seed(), self._percepts.rows(X)
+        self.s0_ = _spread(rows) if self.s0 is None else self.s0
         self._agent = self._untrained(X.shape[1], len(self.classes_), seed)
-        rows = self._percepts.rows(X).tobytes()
-        self._agent.learn_table(rows, answers.astype(numpy.uint8).tobytes(), iterations, seed)
+        self._agent.learn_table(rows.tobytes(), answers.astype(numpy.uint8).tobytes(), iterations, seed)
         self._prior = numpy.bincount(answers) / len(answers)
         self.n_iter_ = iterations
+        every = len(X) // MOST_CHECKED + 1
+        self._warn_if_untaught(rows[::every], answers[::every])
         return self
+
+    def _warn_if_untaught(self, rows: Any, answers: Any) -> None:
+        right = float(numpy.mean(self._shares(rows).argmax(axis=1) == answers))
+        largest = float(numpy.bincount(answers).max() / len(answers))
+        if right <= largest < 1.0:
+            warnings.warn(
+                f"the rules classify {right:.0%} of the training rows correctly, and the largest class is {largest:.0%} of them: "
+                "try other values of `s0` and `population_size`, and more `iterations`",
+                ConvergenceWarning,
+                stacklevel=3,
+            )
+
+    def compact(self, X: Any, y: Any) -> XCSClassifier:
+        """Returns a classifier with few rules that decides as this one in the rows that this one classifies correctly.
+
+        Each rule advises its class, tests only what it needs to match no row of another class, and reports the number of
+        rows that it matches as `experience`. A row that no rule matches gets the largest class of the training rows.
+        """
+        check_is_fitted(self)
+        X, y = validate_data(self, X, y, dtype=float, reset=False)
+        answers = numpy.searchsorted(self.classes_, y).clip(max=len(self.classes_) - 1)
+        unknown = y[self.classes_[answers] != y]
+        if unknown.size:
+            raise ValueError(f"`y` has the class {unknown[0]!r}, which the classifier has not met")
+        few = copy.deepcopy(self)
+        few._agent.compact(self._percepts.rows(X).tobytes(), answers.astype(numpy.uint8).tobytes())
+        return few
 
     def predict_proba(self, X: Any) -> Any:
         """Returns each class's share of the predicted rewards, or its share of the training rows if no rule matches."""
         check_is_fitted(self)
         X = validate_data(self, X, dtype=float, reset=False)
-        values = numpy.frombuffer(self._agent.values(self._percepts.rows(X).tobytes()))
-        values = numpy.nan_to_num(values.reshape(len(X), -1)).clip(min=0.0)
+        return self._shares(self._percepts.rows(X))
+
+    def _shares(self, rows: Any) -> Any:
+        values = numpy.frombuffer(self._agent.values(rows.tobytes()))
+        values = numpy.nan_to_num(values.reshape(len(rows), -1)).clip(min=0.0)
         values = numpy.where(values.sum(axis=1, keepdims=True) > 1e-9, values, self._prior)
         return values / values.sum(axis=1, keepdims=True)
 
@@ -142,9 +201,13 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
         return rules_of(self._agent, self._percepts, 0)
 
     def rules_frame(self) -> Any:
-        """Returns a pandas frame with a row for each rule and a column for the class."""
+        """Returns a pandas frame with a row for each rule. The column `class` has what the rule says: a class, or "not" and a
+        class if the rule predicts less than half of the reward.
+        """
         frame = frame_of(self.rules())
-        frame.insert(1, "class", self.classes_[frame["action"]])
+        advises = frame["prediction"] >= RIGHT / 2
+        words = [str(name) if is_class else f"not {name}" for name, is_class in zip(self.classes_[frame["action"]], advises)]
+        frame.insert(1, "class", words)
         return frame
 
     def __getstate__(self) -> dict[str, Any]:

@@ -14,19 +14,22 @@ SPREADS = ("s0", "m")
 
 
 class Parameters(TypedDict, total=False):
-    """Parameters of XCS (Butz and Wilson 2001) and XCSR (Wilson 2000); the defaults are in brackets.
+    """Parameters of XCS (Butz and Wilson 2001) and XCSR (Wilson 2000).
+
+    The defaults are in brackets. `XCS` has those for problems of several steps: p_hash 0.05, theta_ga 100, theta_sub 500, and
+    epsilon_0 as 0.0001 of the largest absolute reward so far.
 
     population_size: N, the maximum number of micro-classifiers (1600).
     p_hash: P#, the probability of a don't-care in covering, for binary percepts (0.3).
     beta: the learning rate (0.2).
     alpha, epsilon_0, nu: accuracy is 1 up to the error epsilon_0, and alpha (error / epsilon_0)^-nu above it
-        (0.1, 10, 5). epsilon_0 is in units of reward.
+        (0.1, 10, 5). epsilon_0 is in units of reward. Rules do not distinguish values that differ by less.
     theta_ga: the mean number of steps between two runs of the genetic algorithm in a niche (25).
     chi, mu: the probabilities of crossover and of mutating an attribute (0.8, 0.04).
     theta_del, delta: above this experience, a fitness below delta times the mean raises the deletion vote (20, 0.1).
     theta_sub: the experience above which a rule can subsume others (20).
-    s0: the largest distance of a bound from the percept in covering, as a share of the feature's range (1). With
-        dozens of features, use 10 or more, so that most features start as don't-cares.
+    s0: the largest distance of a bound from the percept in covering, as a share of the feature's range (1;
+        `XCSClassifier` derives it from the data). A larger value gives more general conditions.
     m: the largest change of a bound in mutation, as a share of the feature's range (0.1).
     initial_prediction, initial_error, initial_fitness: the initial values of a covering rule (0, 0, 0.01).
     ga, ga_subsumption, action_set_subsumption: switches (True).

@@ -24,6 +24,8 @@ Recorder = Callable[[int, History, tuple[float, ...]], None]
 
 #: The maximum number of environments. A robot in physics takes some 100 kB.
 MOST_ENVS = 1 << 16
+#: More steps than an episode can have.
+MOST_STEPS = 2**63
 
 COLLIDED, REACHED_GOAL, RESTS = 1, 3, 255
 #: The names of all bytes that stand for an outcome. An environment that rests has the first name, and its mask is false.
@@ -37,7 +39,8 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     The robots move on all cores without holding Python's lock. The results do not depend on the number of cores or of other
     environments. `autoreset_mode` selects when a finished environment is reset: in the next step (`AutoresetMode.NEXT_STEP`), in
     the same step (`SAME_STEP`; `infos` then has `final_obs` and `final_info`), or only by the caller (`DISABLED`).
-    `reset(options={"reset_mask": mask})` resets some of the environments.
+    `reset(options={"reset_mask": mask})` resets some of the environments. `max_episode_steps` can only shorten episodes, as in
+    `gymnasium.make`.
 
     `infos` has arrays by environment: `cell`, `pose`, `collision_impulse`, `shortest_distance` (-1 without a path) and, after a
     step, `outcome`.
@@ -57,6 +60,7 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         step_reward: float = 0.0,
         collision_reward: float = 0.0,
         max_steps: int | None = None,
+        max_episode_steps: int | None = None,
         render_mode: str | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     ) -> None:
@@ -64,6 +68,7 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             raise ValueError("a vector environment cannot render: leave `render_mode` out")
         num_envs = checks.whole("num_envs", num_envs, 1, MOST_ENVS)
         limit = None if max_steps is None else checks.whole("max_steps", max_steps, 1)
+        shorter = None if max_episode_steps is None else checks.whole("max_episode_steps", max_episode_steps, 1)
         goal, each, collision = rewards(goal_reward, step_reward, collision_reward)
         self._given = environment(world, arena, sensor, robot, noise, slip, settings)
         self.num_envs = num_envs
@@ -77,7 +82,7 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self._rewards[REACHED_GOAL] = goal
         self._rewards[COLLIDED] += collision
         self._rewards[RESTS] = 0.0
-        self._max_steps = limit or one.step_threshold
+        self._max_steps = min(limit or one.step_threshold, shorter or MOST_STEPS)
         self.single_action_space = gymnasium.spaces.Discrete(one.actions)
         self.single_observation_space = gymnasium.spaces.MultiBinary(one.percept_bits)
         self.action_space = batch_space(self.single_action_space, num_envs)

@@ -24,8 +24,16 @@ MOST_BITS, MOST_TERNARY_ACTIONS = 320, 8
 #: The largest number of attributes of a percept, and of actions.
 MOST_ATTRIBUTES, MOST_ACTIONS = 1_000_000, 256
 
+#: Defaults of parameters that differ from `Parameters`, for problems of several steps.
+DEFAULTS: Parameters = {"p_hash": 0.05, "theta_ga": 100, "theta_sub": 500}
+
+#: By default, epsilon_0 is this share of the largest absolute reward so far.
+ERROR_SHARE = 1e-4
+#: epsilon_0 before the first reward.
+LEAST_ERROR = 1e-9
+
 #: The format of a saved learner.
-_FORMAT = "xcscr.XCS 1"
+_FORMAT = "xcscr.XCS 2"
 _KINDS: dict[str, type[Percepts]] = {"bits": Bits, "states": States, "reals": Reals}
 
 
@@ -49,15 +57,15 @@ class XCS(Learner):
         low: Sequence[float] | float = 0.0,
         high: Sequence[float] | float = 1.0,
         feature_names: Sequence[str] | None = None,
-        gamma: float = 0.71,
-        p_explore: float = 0.5,
+        gamma: float = 0.99,
+        p_explore: float = 0.1,
         seed: int = 1,
         **parameters: Unpack[Parameters],
     ) -> None:
         """Creates an untrained learner for `n_bits` bits, or for `n_features` numbers from `low` to `high`.
 
-        `gamma` is the discount factor and `p_explore` the share of random actions while learning.
-        `Parameters` describes the other parameters. Raises ValueError if a value is out of range.
+        `gamma` is the discount factor and `p_explore` the share of random actions while learning. The defaults are for
+        problems of several steps. `Parameters` describes the other parameters. Raises ValueError if a value is out of range.
         """
         if (n_bits is None) == (n_features is None):
             raise ValueError("pass either n_bits or n_features")
@@ -77,8 +85,8 @@ class XCS(Learner):
         low: Any = None,
         high: Any = None,
         feature_names: Sequence[str] | None = None,
-        gamma: float = 0.71,
-        p_explore: float = 0.5,
+        gamma: float = 0.99,
+        p_explore: float = 0.1,
         seed: int = 1,
         **parameters: Unpack[Parameters],
     ) -> Self:
@@ -100,12 +108,13 @@ class XCS(Learner):
         n_actions, first_action, gamma, p_explore, seed, parameters = arguments
         n_actions = checks.whole("n_actions", n_actions, 1, MOST_ACTIONS)
         gamma, p_explore = checks.real("gamma", gamma, 0.0, 1.0), checks.real("p_explore", p_explore, 0.0, 1.0)
-        seed, parameters = checks.whole("seed", seed), plain(parameters)
+        seed, parameters = checks.whole("seed", seed), plain(DEFAULTS | parameters)
         self._percepts, self._seed, self.episode_returns = percepts, seed, []
         self._arguments = (n_actions, first_action, gamma, p_explore, seed, parameters)
         intervals = percepts.is_real or percepts.width > MOST_BITS or n_actions > MOST_TERNARY_ACTIONS
-        xcs, spreads = as_json(parameters)
-        self._agent = Agent(intervals, percepts.width, n_actions, xcs, spreads, gamma, p_explore, seed)
+        error_share = None if "epsilon_0" in parameters else ERROR_SHARE
+        xcs, spreads = as_json({"epsilon_0": LEAST_ERROR} | parameters)
+        self._agent = Agent(intervals, percepts.width, n_actions, xcs, spreads, gamma, p_explore, error_share, seed)
 
     def fit_table(self, percepts: Any, actions: Any, *, trials: int, seed: int | None = None) -> Self:
         """Learns from a table of percepts and their right actions, without holding Python's lock.

@@ -19,6 +19,8 @@ from sklearn.datasets import load_breast_cancer, load_iris, load_wine
 from sklearn.model_selection import StratifiedKFold
 
 FILE = Path(__file__).with_name("compare.json")
+#: The parameters of all programs, which are not the defaults of xcscr.XCS.
+ONE_STEP = {"epsilon_0": 10.0, "theta_ga": 25, "theta_sub": 20}
 SEEDS = range(1, 6)
 # Address bits, population size, P#, trials.
 MULTIPLEXERS = [(2, 400, 0.33, 10_000), (3, 800, 0.5, 20_000), (4, 2000, 0.75, 60_000)]
@@ -38,13 +40,13 @@ def multiplexer(address_bits, count, seed):
 
 
 def with_xcscr_bits(inputs, answers, tests, size, p_hash, seed):
-    learner = xcscr.XCS(2, n_bits=inputs.shape[1], p_explore=1.0, population_size=size, p_hash=p_hash, seed=seed)
+    learner = xcscr.XCS(2, n_bits=inputs.shape[1], p_explore=1.0, population_size=size, p_hash=p_hash, seed=seed, **ONE_STEP)
     learner.fit_table(inputs, answers, trials=len(inputs))
     return numpy.array([learner.policy(one) for one in tests]), learner.n_rules
 
 
 def with_xcscr_table(inputs, answers, tests, size, trials, seed):
-    model = xcscr.XCSClassifier(trials, population_size=size, random_state=seed).fit(inputs, answers)
+    model = xcscr.XCSClassifier(trials, population_size=size, s0=1.0, random_state=seed).fit(inputs, answers)
     return model.predict(tests), len(model.rules())
 
 
@@ -104,7 +106,7 @@ def with_skxcs(inputs, answers, tests, size, p_hash, seed, trials):
 
 
 def with_xcscr_reals(inputs, answers, tests, size, seed):
-    learner = xcscr.XCS(2, n_features=inputs.shape[1], p_explore=1.0, population_size=size, seed=seed)
+    learner = xcscr.XCS(2, n_features=inputs.shape[1], p_explore=1.0, population_size=size, seed=seed, **ONE_STEP)
     learner.fit_table(inputs, answers, trials=len(inputs))
     return numpy.array([learner.policy(one) for one in tests]), learner.n_rules
 
