@@ -60,24 +60,20 @@ fn tick_by_tf(
 #[test]
 fn it_drives_to_the_goal_by_the_poses_of_another_localiser() {
     let maze = Flat::new().gridded(0.5).maze;
-    for error in [
-        Isometry2::identity(),
-        Isometry2::new(Vector2::new(0.03, -0.02), 0.02),
-    ] {
-        let mut rig = burger_in(maze.clone(), 1, by_tf());
-        let mut own = 0;
-        let step = (0..12_000)
-            .map(|_| {
-                let step = tick_by_tf(&mut rig, error, |_| ());
-                own += u32::from(step.belief.is_some_and(|belief| belief.is_own));
-                step
-            })
-            .find(|step| step.phase == Phase::AtGoal || step.faults.iter().any(Fault::is_final))
-            .unwrap();
-        assert_eq!(step.phase, Phase::AtGoal, "{step:?}");
-        assert!(rig.robot.is_at_goal());
-        assert_eq!(own, 0);
-    }
+    let error = Isometry2::new(Vector2::new(0.03, -0.02), 0.02);
+    let mut rig = burger_in(maze, 1, by_tf());
+    let mut own = 0;
+    let step = (0..12_000)
+        .map(|_| {
+            let step = tick_by_tf(&mut rig, error, |_| ());
+            own += u32::from(step.belief.is_some_and(|belief| belief.is_own));
+            step
+        })
+        .find(|step| step.phase == Phase::AtGoal || step.faults.iter().any(Fault::is_final))
+        .unwrap();
+    assert_eq!(step.phase, Phase::AtGoal, "{step:?}");
+    assert!(rig.robot.is_at_goal());
+    assert_eq!(own, 0);
 }
 
 #[test]
@@ -262,7 +258,9 @@ fn impossible_angles_of_the_wheels_stop_the_robot_while_they_last() {
             let names: Vec<_> = step.faults.iter().map(Fault::name).collect();
             assert_eq!((step.command, names), (Speeds::REST, vec![expected]));
         }
-        let step = drive_with(&mut rig, |readings| robot.publish(readings));
-        assert_eq!(step.phase, Phase::AtGoal, "control: {expected}");
+        let step = (0..5)
+            .map(|_| rig.tick(|readings| robot.publish(readings)))
+            .last();
+        assert_eq!(step.unwrap().faults, [], "control: {expected}");
     }
 }
