@@ -165,8 +165,9 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
     def compact(self, X: Any, y: Any) -> XCSClassifier:
         """Returns a classifier with few rules that decides as this one in the rows that this one classifies correctly.
 
-        Each rule advises its class, tests only what it needs to match no row of another class, and reports the number of
-        rows that it matches as `experience`. A row that no rule matches gets the largest class of the training rows.
+        Each rule advises its class, and keeps only the bounds that exclude rows of other classes. `experience` is the number
+        of rows that it matches, and `prediction` is 1000 (m + 1) / (experience + 2) if m of them are of its class. A row that no rule
+        matches gets the largest class of the training rows.
         """
         check_is_fitted(self)
         X, y = validate_data(self, X, y, dtype=float, reset=False)

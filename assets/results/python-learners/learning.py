@@ -104,19 +104,24 @@ def patient_plus(env, seed):
 def xcs(env, seed):
     import xcscr
 
+    return xcscr.XCS.for_env(env, seed=seed)
+
+
+def untuned_xcs(env, seed):
+    import xcscr
+
     # epsilon_0 is 1 % of the greatest reward, which is 20 in Taxi and at most 1 elsewhere. Costs of 100 are ignored.
     greatest = 20.0 if env.spec.id.startswith("Taxi") else 1.0
-    arguments = {"gamma": GAMMA, "p_explore": 0.3, "epsilon_0": greatest / 100, "population_size": 5000, "p_hash": 0.5}
-    if env.observation_space.shape[0] > 100:
-        arguments["p_hash"] = 0.95
-    return xcscr.XCS.for_env(env, seed=seed, **arguments)
+    p_hash = 0.95 if env.observation_space.shape[0] > 100 else 0.5
+    arguments = {"p_explore": 0.3, "epsilon_0": greatest / 100, "population_size": 5000, "theta_ga": 25, "theta_sub": 20}
+    return xcscr.XCS.for_env(env, p_hash=p_hash, seed=seed, **arguments)
 
 
 def create(method, env, seed):
     actions = int(env.action_space.n)
     if method == "q-learning":
         return QLearning(actions, seed)
-    return Ours({"plus": plus, "plus, tries=40": patient_plus, "xcs": xcs}[method](env, seed), actions, seed)
+    return Ours({"plus": plus, "plus, tries=40": patient_plus, "xcs": xcs, "xcs, untuned": untuned_xcs}[method](env, seed), actions, seed)
 
 
 def tested(agent, env, episodes):
@@ -196,7 +201,7 @@ def table(rows):
     print("| environment | learner | runs | reached | steps, median | quartiles | return / best | CPU s | rules |")
     print("|---|---|---|---|---|---|---|---|---|")
     for problem in BUDGETS:
-        for method in ["plus", "plus, tries=40", "xcs", "q-learning", "ppo"]:
+        for method in ["plus", "plus, tries=40", "xcs", "xcs, untuned", "q-learning", "ppo"]:
             own = [row for row in rows if (row["problem"], row["method"]) == (problem, method)]
             if not own:
                 continue
