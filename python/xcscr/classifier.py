@@ -174,7 +174,7 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
         answers = numpy.searchsorted(self.classes_, y).clip(max=len(self.classes_) - 1)
         unknown = y[self.classes_[answers] != y]
         if unknown.size:
-            raise ValueError(f"`y` has the class {unknown[0]!r}, which the classifier has not met")
+            raise ValueError(f"`y` has the class {unknown[0]}, which the classifier has not met")
         few = copy.deepcopy(self)
         few._agent.compact(self._percepts.rows(X).tobytes(), answers.astype(numpy.uint8).tobytes())
         return few
