@@ -209,3 +209,15 @@ fn no_comparison_is_of_arms_that_differ_in_two_things() {
     // In two worlds: 8 of methods; for each of two methods 4 without the GA, 4 of beta and 4 of subsumption.
     assert_eq!(comparisons.len(), 2 * (8 + 2 * (4 + 4 + 4)));
 }
+
+#[test]
+fn a_table_of_a_sweep_without_a_setting_is_shown_with_the_value_of_the_study() {
+    let desk = Desk::new();
+    let more = "sweep = [{}, { \"xcs.mu\" = [0.1] }]\n[settings]\nxcs.mu = 0.025\n";
+    let text = SMALL.replace("trials = 4", "trials = 2");
+    desk.write("two.toml", &(text + more));
+    desk.done("run two.toml --out two --quiet --episodes 2");
+    let report = desk.done("report two");
+    assert!(report.contains("xcs.mu=0.025"), "{report}");
+    assert!(!report.contains("xcs.mu=default"), "{report}");
+}

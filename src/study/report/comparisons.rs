@@ -9,6 +9,7 @@ use crate::sensor::Sensor;
 use crate::study::analysis::summary::{ArmRecords, by_score, by_steps, by_success};
 use crate::study::protocol::{Arm, NOTHING};
 use crate::study::statistics::{Interval, holm, rounded, trials_needed};
+use crate::trial::flatten;
 
 /// The accepted probability of a type I error.
 const ALPHA: f64 = 0.05;
@@ -245,15 +246,21 @@ pub fn of_searches(arms: &[Arm]) -> Option<String> {
     })
 }
 
-/// Returns a varied setting and its value, as in `xcs.beta=0.1`. Another table of the sweep may not
-/// have the setting.
+/// Returns a varied setting and its value, as in `xcs.beta=0.1`. Where another table of the sweep does not have the setting,
+/// it is that of the study.
 fn value_of(arm: &Arm, key: &str) -> String {
     let mut variant = arm.variant.clone();
     variant.0.retain(|other, _| other == key);
-    match variant.0.is_empty() {
-        true => format!("{key}=default"),
-        false => variant.to_string(),
+    if !variant.0.is_empty() {
+        return variant.to_string();
     }
+    let settings = toml::Table::try_from(&arm.settings).expect("settings are plain data");
+    let own = flatten(settings).into_iter().find(|(name, _)| name == key);
+    let value = own.map_or_else(String::new, |(_, value)| match value.as_str() {
+        Some(text) => text.to_owned(),
+        None => value.to_string(),
+    });
+    format!("{key}={value}")
 }
 
 fn value<'a>(arm: &'a Arm, key: &str) -> Option<&'a str> {
