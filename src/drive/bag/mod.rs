@@ -4,6 +4,7 @@ pub(crate) mod drive_messages;
 mod file;
 pub(crate) mod messages;
 mod topics;
+mod transforms;
 mod writer;
 
 pub use file::{DriveBag, DriveRecording};
