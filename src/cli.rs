@@ -32,8 +32,8 @@ Exit codes:
   70  internal error: please report it
   73  cannot create the output
   74  input or output error, such as a full disk
-  75  interrupted, and the work can be continued: with `train --resume`, or by
-      the same `study` or `evaluate` command
+  75  interrupted. Continue a run with `train --resume`, and a study with the
+      same command. Nothing is kept of an interrupted `evaluate`
  130  interrupted for the second time, and ended at once";
 
 /// A mobile robot in a physics-simulated maze learns readable rules, and every

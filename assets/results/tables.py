@@ -124,19 +124,6 @@ def of_group(study, method, worlds, variant=None):
     return [arm for arm in arms(study) if arm["method"] == method and arm["world"] in worlds and variant in (None, arm["variant"])]
 
 
-def aliased():
-    bounds = json.loads((HERE / "bounds.json").read_text())
-    head = ["mazes", "number", "full-state optimum", "unknown-start optimum", "method", "steps after 50 episodes", "trials at the optimum", "trials", "rules or beliefs"]
-    rows = []
-    for group, worlds in GROUPS.items():
-        full = mean(bounds[world]["full"] for world in worlds)
-        unknown = mean(bounds[world]["belief"]["steps"] for world in worlds)
-        for method in ["xcscr-plus", "r-max"]:
-            own = of_group("aliased", method, worlds)
-            rows.append([group, len(worlds), f"{full:.2f}", f"{unknown:.2f}", f"`{method}`", f"{mean(arm['mean_greedy_steps'] for arm in own):.2f}", sum(arm["retained"] for arm in own), sum(arm["trials"] for arm in own), f"{mean(arm['mean_rules'] for arm in own):.0f}"])
-    return table(head, rows)
-
-
 def history():
     bounds = json.loads((HERE / "bounds.json").read_text())
     head = ["mazes", "number", "unknown-start optimum", "earlier steps", "steps after 100 episodes", "worst maze", "mazes at the optimum", "rules"]
@@ -153,11 +140,10 @@ def history():
 
 def beacs():
     bounds = json.loads((HERE / "bounds.json").read_text())
-    head = ["maze", "unknown-start optimum", "with maps", "no earlier step", "one", "BEACS"]
+    head = ["maze", "unknown-start optimum", "no earlier step", "one", "BEACS"]
     rows = []
     for world, published in BEACS.items():
-        steps = [of_group("history", "xcscr-plus", [world], f"sensor.history={steps}") for steps in range(2)]
-        means = [of_group("aliased", "xcscr-plus", [world])] + steps
+        means = [of_group("history", "xcscr-plus", [world], f"sensor.history={steps}") for steps in range(2)]
         rows.append([f"`{world}`", f"{bounds[world]['belief']['steps']:.2f}"] + [f"{arm[0]['mean_greedy_steps']:.2f}" for arm in means] + [published])
     return table(head, rows)
 
@@ -174,22 +160,12 @@ def office():
 
 
 def slips():
-    head = ["mazes", "steps after 1,000 episodes", "rules"]
+    head = ["method", "steps", "best maze", "worst maze", "globally optimal", "trials", "rules or pairs"]
     rows = []
-    for group, worlds in GROUPS.items():
-        own = of_group("slips", "xcscr-plus", worlds)
-        rows.append([group, f"{mean(arm['mean_greedy_steps'] for arm in own):.2f}", f"{mean(arm['mean_rules'] for arm in own):.0f}"])
-    return table(head, rows)
-
-
-def flips():
-    bounds = json.loads((HERE / "bounds.json").read_text())
-    head = ["flipped bits", "mazes", "steps as a multiple of the unknown-start optimum", "worst maze"]
-    rows = []
-    for variant in sorted({arm["variant"] for arm in arms("flips")}):
-        own = [arm for arm in arms("flips") if arm["variant"] == variant]
-        ratios = [arm["mean_greedy_steps"] / bounds[arm["world"]]["belief"]["steps"] for arm in own]
-        rows.append([f"{100 * float(variant.split('=')[1]):g} %", len(own), f"{mean(ratios):.3f}", f"{max(ratios):.2f}"])
+    for method in ["q-learning", "xcscr", "r-max", "xcscr-plus"]:
+        own = of_group("slips", method, GROUPS["not aliased"])
+        steps = [arm["mean_greedy_steps"] for arm in own]
+        rows.append([f"`{method}`", f"{mean(steps):.2f}", f"{min(steps):.2f}", f"{max(steps):.2f}", sum(arm["retained"] for arm in own), sum(arm["trials"] for arm in own), f"{mean(arm['mean_rules'] for arm in own):.0f}"])
     return table(head, rows)
 
 
