@@ -90,11 +90,10 @@ def test_a_multistep_problem_is_learned_with_discounted_values():
     assert "state = 14" in learner.rules()[0].condition or len(learner.rules()) > 0
 
 
-def test_the_defaults_learn_a_problem_of_several_steps_more_often_than_the_earlier_ones():
+def test_the_defaults_learn_a_problem_of_several_steps_with_most_seeds():
+    """The control are the parameters that the package had as defaults."""
 
-    def reaches_the_goal(seed, **parameters):
-        env = gymnasium.make("FrozenLake-v1", is_slippery=False)
-        learner = xcscr.XCS.for_env(env, seed=seed, **parameters).fit(env, steps=6000)
+    def reaches_the_goal(learner, env):
         observation, _ = env.reset()
         reward = done = 0
         while not done:
@@ -102,9 +101,18 @@ def test_the_defaults_learn_a_problem_of_several_steps_more_often_than_the_earli
             done = terminated or truncated
         return reward == 1.0
 
+    def learns(seed, **parameters):
+        """Whether two tests in a row succeed, 500 steps apart, within 6,000 steps."""
+        lake = gymnasium.make("FrozenLake-v1", is_slippery=False)
+        coordinates = spaces.MultiDiscrete([4, 4])
+        env = gymnasium.wrappers.TransformObservation(lake, lambda state: numpy.array(divmod(int(state), 4)), coordinates)
+        learner = xcscr.XCS.for_env(env, seed=seed, **parameters)
+        tests = [reaches_the_goal(learner.fit(env, steps=500, seed=seed + at), env) for at in range(12)]
+        return any(map(all, zip(tests, tests[1:])))
+
     earlier = {"gamma": 0.71, "p_explore": 0.5, "p_hash": 0.3, "theta_ga": 25, "theta_sub": 20, "epsilon_0": 10.0}
-    counts = [sum(reaches_the_goal(seed, **given) for seed in range(1, 6)) for given in ({}, earlier)]
-    assert counts[0] > counts[1] + 1, counts
+    counts = [sum(learns(seed, **given) for seed in range(1, 6)) for given in ({}, earlier)]
+    assert counts[0] >= 3 and counts[1] <= 1, counts
 
 
 def test_a_table_of_bits_is_learned():
