@@ -210,8 +210,7 @@ impl Agent {
         Ok(())
     }
 
-    /// Keeps the fewest rules that make the same decisions in the rows of a table that are decided rightly. `answers` has
-    /// one byte for each row.
+    /// Replaces the rules by few that choose the right action in each row of a table. `answers` has one byte for each row.
     fn compact(&mut self, py: Python<'_>, rows: &[u8], answers: &[u8]) -> PyResult<()> {
         let table = self.table(rows)?;
         let rows = table.chunks(self.width).zip(answers);

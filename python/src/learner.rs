@@ -23,7 +23,7 @@ pub trait Numeric: Representation {
     fn percept(values: &[f64]) -> Result<Self::Percept, String>;
     fn tests(&self) -> Tests;
 
-    /// Returns the fewest rules that keep the right decisions of a table. `None`: not for these conditions.
+    /// Returns few rules that choose the right actions of a table. `None`: not for these conditions.
     fn compacted(
         _population: &Population<Self>,
         _rows: &[(Self::Percept, Action)],
@@ -79,7 +79,7 @@ pub trait Learner: Send + Sync {
     fn rules(&self) -> Vec<Rule>;
     fn micro(&self) -> u32;
 
-    /// Keeps the fewest rules that make the same right decisions in the rows of a table.
+    /// Replaces the rules by few that choose the right actions of a table.
     fn compact(&mut self, _rows: &[(&[f64], Action)]) -> Result<(), String> {
         Err(NOT_COMPACTED.into())
     }
@@ -161,7 +161,14 @@ where
         let pair = |&(values, answer)| Ok::<_, String>((C::percept(values)?, answer));
         let rows = rows.iter().map(pair).collect::<Result<Vec<_>, String>>()?;
         let few = C::compacted(self.xcs().population(), &rows, self.xcs().actions());
-        self.start_from(&few.ok_or(NOT_COMPACTED)?);
+        let few = few.ok_or(NOT_COMPACTED)?;
+        let (count, most) = (few.micro(), self.xcs().params().population_size);
+        if count > most {
+            return Err(format!(
+                "the table needs {count} micro-classifiers, more than the `population_size` of {most}"
+            ));
+        }
+        self.start_from(&few);
         Ok(())
     }
 

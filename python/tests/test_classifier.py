@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("sklearn")
 
-from sklearn.datasets import load_iris, load_wine  # noqa: E402
+from sklearn.datasets import load_iris, load_wine, make_classification  # noqa: E402
 from sklearn.exceptions import ConvergenceWarning  # noqa: E402
 from sklearn.model_selection import GridSearchCV, cross_val_score  # noqa: E402
 from sklearn.utils.estimator_checks import parametrize_with_checks  # noqa: E402
@@ -69,6 +69,35 @@ def test_few_rules_make_the_same_right_decisions_and_all_of_them_advise():
     assert pickle.loads(pickle.dumps(few)).rules() == few.rules()
     with pytest.raises(ValueError, match="`y` has the class 7"):
         model.compact(X, y + 7)
+
+
+@pytest.mark.parametrize("parameters", [{}, {"s0": 0.15}], ids=["some rows are disputed", "some rows have no rule"])
+def test_few_rules_of_a_bad_fit_make_its_right_decisions_too(parameters):
+    pytest.importorskip("pandas")
+    X, y = make_classification(300, 6, n_informative=4, n_redundant=0, n_classes=4, n_clusters_per_class=1, flip_y=0.3, random_state=1)
+    model = XCSClassifier(1000, **parameters).fit(X, y)
+    right = model.predict(X) == y
+    assert 0.3 < right.mean() < 0.95, "control: the fit is not exact"
+    few = model.compact(X, y)
+    assert (few.predict(X)[right] == y[right]).all()
+    frame = few.rules_frame()
+    assert not frame["class"].str.startswith("not ").any()
+    assert model.rules_frame()["class"].str.startswith("not ").any(), "control"
+
+
+def test_more_rules_than_the_population_has_room_for_are_refused():
+    numbers = numpy.random.default_rng(1)
+    X, y = numbers.random((400, 2)), numbers.integers(0, 4, 400)
+    with pytest.raises(ValueError, match="more than the `population_size` of 32"):
+        XCSClassifier(1000, population_size=32).fit(X, y).compact(X, y)
+
+
+def test_parameters_set_after_fit_do_not_change_what_was_learned():
+    X, y = load_iris(return_X_y=True)
+    model = XCSClassifier(1000).fit(X, y)
+    rules = model.rules()
+    model.set_params(population_size=20, s0=0.5)
+    assert pickle.loads(pickle.dumps(model)).rules() == rules
 
 
 def test_the_spread_of_covering_follows_the_features():

@@ -127,9 +127,7 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
         return int(check_random_state(self.random_state).randint(2**31))
 
     def _untrained(self, width: int, classes: int, seed: int) -> Agent:
-        chosen = {key: value for key, value in self.get_params().items() if key not in ("iterations", "random_state")}
-        xcs, spreads = as_json(plain(chosen | {"s0": self.s0_}))
-        return Agent(True, width, classes, xcs, spreads, 0.0, 1.0, None, seed)
+        return Agent(True, width, classes, *self._settings, 0.0, 1.0, None, seed)
 
     def fit(self, X: Any, y: Any) -> XCSClassifier:
         """Learns rules from the rows of `X` and their classes `y`."""
@@ -143,6 +141,9 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
         self._percepts = Reals(tuple(X.min(axis=0).tolist()), tuple(X.max(axis=0).tolist()), names)
         seed, rows = self._seed(), self._percepts.rows(X)
         self.s0_ = _spread(rows) if self.s0 is None else self.s0
+        chosen = {key: value for key, value in self.get_params().items() if key not in ("iterations", "random_state")}
+        # `set_params` may change the parameters after `fit`.
+        self._settings = as_json(plain(chosen | {"s0": self.s0_}))
         self._agent = self._untrained(X.shape[1], len(self.classes_), seed)
         self._agent.learn_table(rows.tobytes(), answers.astype(numpy.uint8).tobytes(), iterations, seed)
         self._prior = numpy.bincount(answers) / len(answers)
@@ -165,9 +166,10 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
     def compact(self, X: Any, y: Any) -> XCSClassifier:
         """Returns a classifier with few rules that decides as this one in the rows that this one classifies correctly.
 
-        Each rule advises its class, and keeps only the bounds that exclude rows of other classes. `experience` is the number
-        of rows that it matches, and `prediction` is 1000 (m + 1) / (experience + 2) if m of them are of its class. A row that no rule
-        matches gets the largest class of the training rows.
+        Each rule matches only rows of its class among them, and has only the bounds that exclude the others. `experience` is
+        the number of these rows that it matches, and `prediction` is 1000 (experience + 1) / (experience + 2). A row that no
+        rule matches gets the largest class of the training rows. Raises ValueError if the numerosity of the rules is higher
+        than `population_size`.
         """
         check_is_fitted(self)
         X, y = validate_data(self, X, y, dtype=float, reset=False)
@@ -175,8 +177,9 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
         unknown = y[self.classes_[answers] != y]
         if unknown.size:
             raise ValueError(f"`y` has the class {unknown[0]}, which the classifier has not met")
-        few = copy.deepcopy(self)
-        few._agent.compact(self._percepts.rows(X).tobytes(), answers.astype(numpy.uint8).tobytes())
+        few, rows = copy.deepcopy(self), self._percepts.rows(X)
+        right = self._shares(rows).argmax(axis=1) == answers
+        few._agent.compact(rows[right].tobytes(), answers[right].astype(numpy.uint8).tobytes())
         return few
 
     def predict_proba(self, X: Any) -> Any:

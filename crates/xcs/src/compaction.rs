@@ -7,41 +7,41 @@ use crate::fewest::fewest_for;
 use crate::intervals::{Intervals, RealPercept};
 use crate::params::Params;
 use crate::population::Population;
+use crate::representation::Representation;
 use crate::signal::Action;
 
-/// Returns few rules that make the same decisions as `population` in the rows of a table that it decides rightly. A row
-/// is a percept with its right action, which was rewarded by `reward`; every other action was rewarded by 0.
+/// Returns few rules that choose the right action in each row of a table. A row is a percept with its right action, which
+/// was rewarded by `reward`; every other action was rewarded by 0. Rows with equal percepts must have the same action.
 ///
-/// Uses the rules that predict more than half of the reward, so no rule of the result advises against its action. Each
-/// keeps only the bounds that exclude rows of another action, chosen as in guided covering (CN2, Clark and Niblett 1989). Of
-/// these rules, it keeps the fewest, as [`fewest_rules`](crate::fewest_rules) does. The prediction of a rule that matches n rows and is
-/// right in m of them is `reward (m + 1) / (n + 2)`. Its experience is n, and its fitness m / (n - m + 1).
+/// Uses the rules of `population` that predict more than half of the reward and match no row of another action. Each
+/// keeps only the bounds that exclude such rows, chosen as in guided covering (CN2, Clark and Niblett 1989). A row that
+/// no such rule matches gets one made from its own values in the same way. Of these rules, it keeps the fewest, as
+/// [`fewest_rules`](crate::fewest_rules) does. A rule that matches n rows has the prediction `reward (n + 1) / (n + 2)`, and n
+/// is its experience and its fitness.
 pub fn compacted(
     population: &Population<Intervals>,
     rows: &[(RealPercept, Action)],
     actions: usize,
     reward: f64,
 ) -> Population<Intervals> {
-    let is_right = |row: &&(RealPercept, Action)| {
-        population.sums(&row.0).best(actions, false).first() == Some(&row.1)
-    };
-    let rows: Vec<&(RealPercept, Action)> = rows.iter().filter(is_right).collect();
     let mut general = Population::default();
     for action in Action::wide_all(actions) {
-        let percepts = |own: bool| {
-            let some = rows.iter().filter(move |row| (row.1 == action) == own);
-            some.map(|row| &row.0).collect()
-        };
-        let table = Table {
-            own: percepts(true),
-            others: percepts(false),
-        };
+        let table = Table::new(rows, action);
         let rules = population.rules().iter();
         let advising = rules.filter(|rule| rule.action == action && rule.prediction > reward / 2.0);
-        for rule in advising {
-            let (condition, counts) = table.general(&rule.condition);
-            if counts[0] > 0 {
-                general.insert(measured(condition, action, counts, reward));
+        let mut conditions: Vec<Intervals> = advising
+            .filter_map(|rule| table.general(&rule.condition))
+            .collect();
+        for &row in &table.own {
+            if !conditions.iter().any(|condition| condition.matches(row)) {
+                conditions.extend(table.general(&only(row)));
+            }
+        }
+        for condition in conditions {
+            let matched = table.own.iter().filter(|row| condition.matches(row));
+            let count = matched.count() as u32;
+            if count > 0 {
+                general.insert(measured(condition, action, count, reward));
             }
         }
     }
@@ -49,21 +49,26 @@ pub fn compacted(
     fewest_for(&general, decisions, actions)
 }
 
-/// Returns a rule that matches so many rows of its action, and so many others.
+/// Returns the condition that matches only percepts equal to this one.
+fn only(percept: &RealPercept) -> Intervals {
+    let bounds: Vec<[f64; 2]> = percept.values().iter().map(|&value| [value; 2]).collect();
+    Intervals::new(&bounds).expect("values of a percept are from 0 to 1")
+}
+
+/// Returns a rule that matches so many rows, all of them of its action.
 fn measured(
     condition: Intervals,
     action: Action,
-    [own, others]: [u32; 2],
+    count: u32,
     reward: f64,
 ) -> Classifier<Intervals> {
-    let [right, wrong] = [own, others].map(f64::from);
-    let prediction = reward * (right + 1.0) / (right + wrong + 2.0);
-    let deviation = right * (reward - prediction) + wrong * prediction;
+    let rows = f64::from(count);
+    let prediction = reward * (rows + 1.0) / (rows + 2.0);
     Classifier {
         prediction,
-        error: deviation / (right + wrong),
-        fitness: right / (wrong + 1.0),
-        experience: own + others,
+        error: reward - prediction,
+        fitness: rows,
+        experience: count,
         ..Classifier::new(condition, action, 0, &Params::default())
     }
 }
@@ -83,17 +88,28 @@ struct Test {
     others: FixedBitSet,
 }
 
-impl Table<'_> {
-    /// Returns the condition with few of its bounds, which matches no more of the other rows, and the numbers of own rows and
-    /// of others that it matches.
-    fn general(&self, condition: &Intervals) -> (Intervals, [u32; 2]) {
+impl<'a> Table<'a> {
+    fn new(rows: &'a [(RealPercept, Action)], action: Action) -> Self {
+        let percepts = |own: bool| {
+            let some = rows.iter().filter(|row| (row.1 == action) == own);
+            some.map(|row| &row.0).collect()
+        };
+        Self {
+            own: percepts(true),
+            others: percepts(false),
+        }
+    }
+
+    /// Returns the condition with few of its bounds, which matches no other rows. `None` if it matches some.
+    fn general(&self, condition: &Intervals) -> Option<Intervals> {
+        if self.others.iter().any(|row| condition.matches(row)) {
+            return None;
+        }
         let tests = self.tests(condition);
-        let all: Vec<usize> = (0..tests.len()).collect();
-        let allowed = self.left(&tests, &all).1;
-        let mut chosen = self.sufficient(&tests, &allowed);
+        let mut chosen = self.sufficient(&tests);
         for test in chosen.clone() {
             let fewer: Vec<usize> = chosen.iter().copied().filter(|&at| at != test).collect();
-            if self.left(&tests, &fewer).1.is_subset(&allowed) {
+            if self.left(&tests, &fewer).1.is_clear() {
                 chosen = fewer;
             }
         }
@@ -104,12 +120,7 @@ impl Table<'_> {
             } = tests[at];
             bounds[attribute][side] = condition.bounds()[attribute][side];
         }
-        let (own, others) = self.left(&tests, &chosen);
-        let condition = Intervals::new(&bounds).expect("bounds of a condition, or 0 and 1");
-        (
-            condition,
-            [own, others].map(|set| set.count_ones(..) as u32),
-        )
+        Some(Intervals::new(&bounds).expect("bounds of a condition, or 0 and 1"))
     }
 
     /// Returns the bounds of a condition that exclude something.
@@ -142,13 +153,12 @@ impl Table<'_> {
         tests
     }
 
-    /// Chooses tests until no other rows pass all of them but the allowed ones. Each step takes the test that leaves the
-    /// highest share of own rows, (own + 1) / (all + 2).
-    fn sufficient(&self, tests: &[Test], allowed: &FixedBitSet) -> Vec<usize> {
+    /// Chooses tests until no other rows pass all of them. Each step takes the test that leaves the highest share of own
+    /// rows, (own + 1) / (all + 2).
+    fn sufficient(&self, tests: &[Test]) -> Vec<usize> {
         let mut chosen = Vec::new();
         loop {
-            let (own, mut others) = self.left(tests, &chosen);
-            others.difference_with(allowed);
+            let (own, others) = self.left(tests, &chosen);
             let bad = others.count_ones(..);
             let mut best: Option<(usize, [u64; 2])> = None;
             for (at, test) in tests.iter().enumerate() {
@@ -160,7 +170,7 @@ impl Table<'_> {
                     best = Some((at, share));
                 }
             }
-            // Some test excludes each row that is not allowed.
+            // Some test excludes each of the other rows.
             let Some((best, _)) = best else {
                 return chosen;
             };
@@ -240,21 +250,29 @@ mod tests {
     }
 
     #[test]
-    fn a_rule_that_also_matches_rows_of_another_action_decides_where_no_better_one_does() {
+    fn rows_that_only_a_wrong_rule_or_none_matches_get_a_rule_from_their_own_values() {
         let rules = vec![
             rule([[0.2, 1.0], [0.0, 1.0]], 9, 700.0),
-            rule([[0.0, 0.45], [0.0, 1.0]], 0, 1000.0),
+            rule([[0.0, 0.35], [0.0, 1.0]], 0, 1000.0),
         ];
         let population = Population::try_from(rules).unwrap();
         let few = compacted(&population, &table(), 10, 1000.0);
-        let shown: Vec<_> = few
+        let shown: Vec<String> = few
             .rules()
             .iter()
-            .map(|one| (one.experience, one.prediction.round()))
+            .map(|one| {
+                format!(
+                    "{} {} {}",
+                    one.condition,
+                    one.action.index(),
+                    one.experience
+                )
+            })
             .collect();
-        // 18 of 18 rows, and 18 of 30.
-        assert_eq!(shown, [(18, 950.0), (30, 594.0)]);
+        assert_eq!(shown, ["[0.00, 0.40] # 0 18", "[0.60, 1.00] # 9 18"]);
         for (percept, action) in table() {
+            let before = population.sums(&percept).best(10, false);
+            assert_eq!(before == [action], percept.values()[0] != 0.4, "control");
             assert_eq!(few.sums(&percept).best(10, false), [action]);
         }
     }
