@@ -195,3 +195,20 @@ fn a_world_that_needs_memory_is_marked_and_is_in_no_test() {
     let report = desk.done(solvable);
     assert!(!report.contains("memory"), "control: {report}");
 }
+
+#[test]
+fn an_arm_with_earlier_steps_in_the_percept_needs_no_memory_in_whichever_order() {
+    let desk = Desk::new();
+    let text = SMALL.replace("\"maze4\", \"maze5\"", "\"rooms-12-3\"");
+    let text = text.replace("trials = 4", "trials = 1");
+    for order in ["[0, 1]", "[1, 0]"] {
+        let sweep = format!("{text}[sweep]\nsensor.history = {order}\n");
+        desk.write("sweep.toml", &sweep);
+        desk.done(&format!("run sweep.toml --out {} --quiet", &order[1..2]));
+        let json = desk.json(&format!("report {} --json", &order[1..2]));
+        for arm in json["arms"].as_array().unwrap() {
+            let has_none = arm["variant"].as_str().unwrap().ends_with('0');
+            assert_eq!(arm["needs_memory"] == true, has_none, "{order}: {arm}");
+        }
+    }
+}

@@ -15,6 +15,7 @@ use crate::study::statistics::{
 };
 use crate::study::store::StudyFolder;
 use crate::study::store::{Driven, Figures};
+use crate::trial::Settings;
 use xcs::random::Stream;
 
 /// The finished trials of one arm.
@@ -36,8 +37,9 @@ impl<'a> ArmRecords<'a> {
         let protocol = folder.protocol();
         let mut known = BTreeMap::new();
         let mut needs_memory = |i: usize, arm: &Arm| {
-            let slip = arm.settings.arena.slip.to_bits();
-            let place = (arm.world.clone(), arm.sensor.name(), slip);
+            let Settings { arena, sensor, .. } = &arm.settings;
+            let percept = (arm.sensor.name(), sensor.history);
+            let place = (arm.world.clone(), percept, arena.slip.to_bits());
             let search = || memoryless::needs_memory(&protocol.plan(i * protocol.trials));
             *known.entry(place).or_insert_with(search)
         };
