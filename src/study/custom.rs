@@ -58,6 +58,7 @@ pub struct Study {
     protocol: Protocol,
     pub(super) agents: Agents,
     retry_failed: bool,
+    force: bool,
 }
 
 impl Study {
@@ -67,12 +68,19 @@ impl Study {
             protocol,
             agents: Agents::default(),
             retry_failed: false,
+            force: false,
         }
     }
 
     /// Sets whether to repeat the trials that failed. Their tables, report and figures are removed first.
     pub fn retry_failed(mut self, retry: bool) -> Self {
         self.retry_failed = retry;
+        self
+    }
+
+    /// Sets whether to replace files of a smaller study in the folder that were changed by hand.
+    pub fn replacing(mut self, force: bool) -> Self {
+        self.force = force;
         self
     }
 
@@ -116,16 +124,17 @@ impl Study {
     /// finished.
     ///
     /// # Errors
-    /// When the folder contains another study, is in use, or cannot be written, or a custom agent has another result
-    /// than the one stored.
+    /// When the folder contains another study, is in use, or cannot be written, a file of a smaller study there was
+    /// changed by hand, or a custom agent has another result than the one stored.
     pub fn run(
         &self,
         out: &Path,
         jobs: usize,
         watcher: &mut dyn StudyWatcher,
     ) -> Result<StudyFolder, Error> {
-        let mut folder = StudyFolder::open(out, &self.protocol)?;
+        let mut folder = StudyFolder::open(out, &self.protocol)?.replacing(self.force);
         self.require_same_agents(&folder)?;
+        folder.note_smaller()?;
         if self.retry_failed {
             folder.remove_failed()?;
         }

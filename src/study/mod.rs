@@ -6,6 +6,7 @@
 //! | `store` | the folder of a study: the plan, and journals of finished trials |
 //! | `runner`, `tasks` | running trials: on threads, in tasks on many machines |
 //! | `custom` | custom agents in studies |
+//! | `growth` | a larger study in the folder of a smaller one |
 //! | `statistics` | tests and intervals, independent of mazes and learners |
 //! | `analysis`, `episodes` | summaries of arms, learning curves, and tables for other programs |
 //! | `report` | the report in words, tables and figures |
@@ -14,6 +15,7 @@
 mod analysis;
 mod episodes;
 mod error;
+mod growth;
 mod custom;
 mod protocol;
 mod report;

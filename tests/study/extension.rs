@@ -80,6 +80,71 @@ fn a_smaller_study_stays_until_the_larger_one_is_finished() {
 }
 
 #[test]
+fn growth_keeps_files_that_are_not_those_of_the_smaller_study() {
+    let desk = Desk::new();
+    desk.done("run small.toml --trials 1 --out a --quiet");
+    let grow = "run small.toml --trials 2 --out a --quiet";
+    let reference = "run small.toml --trials 1 --reference xcs --out a --quiet";
+    for name in ["report.md", "trials.csv", "curves.svg", "episodes.csv.gz"] {
+        let file = desk.path("a").join(name);
+        let before = fs::read(&file).ok();
+        fs::write(&file, "mine").unwrap();
+        for words in [grow, reference] {
+            desk.refused(words, 73, &format!("({name})"));
+            assert_eq!(fs::read(&file).unwrap(), b"mine", "{words}");
+        }
+        assert_eq!(desk.trials("a").len(), 4, "no trial was run");
+        match before {
+            Some(before) => fs::write(&file, before).unwrap(),
+            None => fs::remove_file(&file).unwrap(),
+        }
+    }
+    for name in ["report.md", "episodes.csv.gz", "notes.txt"] {
+        desk.write(&format!("a/{name}"), "mine");
+    }
+    desk.done(&format!("{grow} --force"));
+    assert_eq!(desk.read("a/notes.txt"), "mine");
+    assert!(!desk.path("a/episodes.csv.gz").exists());
+    assert_ne!(desk.read("a/report.md"), "mine");
+    // Control: an unchanged report is no hindrance.
+    desk.done("run small.toml --trials 3 --out a --quiet");
+}
+
+#[test]
+fn an_interrupted_replacement_of_a_smaller_study_goes_on() {
+    let desk = Desk::new();
+    desk.done("run small.toml --trials 1 --out a --quiet");
+    let old = results(&desk, "a");
+    let restore = || {
+        for (name, bytes) in &old {
+            fs::write(desk.path("a").join(name), bytes).unwrap();
+        }
+    };
+    desk.done("run small.toml --trials 2 --out a --quiet");
+    let new = results(&desk, "a");
+    let plan = desk.read("a/study.json");
+    let sum = |(name, bytes): &(String, Vec<u8>)| (name.clone(), crc32fast::hash(bytes).into());
+    let sums: serde_json::Map<_, _> = old.iter().map(sum).collect();
+    let replaced = format!("\"replaced\": {},\n  \"study\": {{", Value::from(sums));
+    let interrupted = plan.replacen("\"study\": {", &replaced, 1);
+    for command in ["report a", "run small.toml --trials 2 --out a --quiet"] {
+        // As after a kill between the new plan and the removal of the old files.
+        restore();
+        desk.refused(command, 73, "exists and differs");
+        desk.write("a/study.json", &interrupted);
+        desk.done(command);
+        assert_eq!(desk.read("a/study.json"), plan);
+        assert!(results(&desk, "a") == new, "{command}");
+    }
+    // A file that was changed in the meantime stays.
+    restore();
+    desk.write("a/study.json", &interrupted);
+    desk.write("a/report.md", "mine");
+    desk.refused("report a", 73, "report.md exists and differs");
+    assert_eq!(desk.read("a/report.md"), "mine");
+}
+
+#[test]
 fn a_study_in_tasks_is_extended_too() {
     let desk = Desk::new();
     desk.done("plan small.toml --trials 2 --tasks 3 --out a");

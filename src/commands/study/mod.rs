@@ -130,10 +130,10 @@ fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
     let interrupt =
         Interrupt::watch(move || Failure::new(ErrorKind::Interrupted, shutdown_message))?;
     let mut progress = Progress::new(args.quiet, interrupt);
-    let study = Study::new(protocol).retry_failed(args.retry_failed);
-    let folder = study
-        .run(&path, args.jobs.into(), &mut progress)?
+    let study = Study::new(protocol)
+        .retry_failed(args.retry_failed)
         .replacing(args.force);
+    let folder = study.run(&path, args.jobs.into(), &mut progress)?;
     drop(progress);
     let missing = folder.missing();
     if missing.is_empty() {

@@ -22,7 +22,7 @@ pub struct StudyFolder {
     pub(in crate::study) planned: PlannedStudy,
     pub(in crate::study) records: Records,
     /// Whether to overwrite files whose contents differ from what the study would write.
-    pub(super) force: bool,
+    pub(in crate::study) force: bool,
     /// Held while this process writes the results.
     _lock: Option<FolderLock>,
 }
@@ -86,14 +86,15 @@ impl StudyFolder {
         }
     }
 
-    /// Reads the folder of a study, and locks it for writing.
+    /// Reads the folder of a study, and locks it for writing. Completes an interrupted [`Self::replace_smaller`].
     ///
     /// # Errors
     /// The same as for [`Self::read`], or [`ErrorKind::CannotCreate`] if another process has the lock.
     pub fn read_locked(path: &Path) -> Result<Self, Error> {
         // No lock file is created in a folder without a study.
         let lock = PlannedStudy::is_in(path).then(|| lock(path)).transpose()?;
-        let folder = Self::read(path)?;
+        let mut folder = Self::read(path)?;
+        folder.remove_replaced()?;
         Ok(Self {
             _lock: lock,
             ..folder
@@ -121,19 +122,8 @@ impl StudyFolder {
         })
     }
 
-    /// Replaces a smaller study in the folder by this one, which must be complete, and removes the files
-    /// generated from the smaller one. The journals stay as they are.
-    pub(in crate::study) fn replace_smaller(&self) -> Result<(), Error> {
-        match self.contains_smaller()? {
-            true => {
-                Self::remove_outputs(self.path())?;
-                self.planned.write(true)
-            }
-            false => Ok(()),
-        }
-    }
-
-    fn contains_smaller(&self) -> Result<bool, Error> {
+    /// Returns true if the folder still has the plan of a smaller study.
+    pub(in crate::study) fn contains_smaller(&self) -> Result<bool, Error> {
         Ok(PlannedStudy::read(self.path())?.plan() != self.plan())
     }
 

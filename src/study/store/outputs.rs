@@ -29,7 +29,8 @@ pub fn is_output(name: &str) -> bool {
     outputs().any(|output| output == name)
 }
 
-fn outputs() -> impl Iterator<Item = &'static str> {
+/// Returns the names of the files that a study may generate.
+pub(in crate::study) fn outputs() -> impl Iterator<Item = &'static str> {
     DOCUMENTS.into_iter().chain(FIGURES)
 }
 

@@ -1,5 +1,6 @@
 //! The plan of a study in its folder: the frozen study, and the number of its tasks.
 
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fs;
 use std::io;
@@ -34,6 +35,8 @@ struct PlanFile {
     checksum: String,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     earlier: Vec<EarlierPlan>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    replaced: BTreeMap<String, u32>,
     study: Box<RawValue>,
 }
 
@@ -57,6 +60,9 @@ pub struct PlannedStudy {
     plan: String,
     tasks: usize,
     earlier: Vec<EarlierPlan>,
+    /// The generated files of the smaller study that this one replaces, by name, with the checksums of their
+    /// contents. Empty when they are removed.
+    pub(in crate::study) replaced: BTreeMap<String, u32>,
 }
 
 impl PlannedStudy {
@@ -77,6 +83,7 @@ impl PlannedStudy {
             protocol,
             tasks,
             earlier: Vec::new(),
+            replaced: BTreeMap::new(),
         })
     }
 
@@ -92,6 +99,7 @@ impl PlannedStudy {
             protocol: protocol.clone(),
             tasks: self.tasks,
             earlier,
+            replaced: BTreeMap::new(),
         })
     }
 
@@ -175,14 +183,23 @@ impl PlannedStudy {
         Self::in_folder(&self.path, self.protocol.clone(), Some(self.tasks)).map(drop)
     }
 
+    /// Returns the same study in another folder.
+    pub(in crate::study) fn moved_to(self, path: &Path) -> Self {
+        Self {
+            path: path.to_owned(),
+            ..self
+        }
+    }
+
     /// Writes the plan, and keeps an existing one unless `force` replaces it.
-    pub(super) fn write(&self, force: bool) -> Result<(), Error> {
+    pub(in crate::study) fn write(&self, force: bool) -> Result<(), Error> {
         let text = self.protocol.to_json();
         let file = PlanFile {
             plan: self.plan.clone(),
             tasks: self.tasks,
             checksum: checksum(&self.plan, self.tasks, &self.earlier),
             earlier: self.earlier.clone(),
+            replaced: self.replaced.clone(),
             study: RawValue::from_string(text).expect("JSON is valid JSON"),
         };
         let path = self.path.join(PLAN);
@@ -282,6 +299,7 @@ fn parse(path: &Path, text: &[u8]) -> Result<PlannedStudy, String> {
         plan: file.plan,
         tasks: file.tasks,
         earlier: file.earlier,
+        replaced: file.replaced,
     })
 }
 
