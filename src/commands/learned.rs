@@ -63,17 +63,23 @@ impl LearnedArgs {
     pub fn load(&self, arena: Option<ArenaKind>) -> Result<(Plan, Knowledge), Failure> {
         let is_file = self.run.exists() && !self.run.is_dir();
         let is_recording = self.run.extension().is_some_and(|end| end == "mcap");
-        let (mut plan, knowledge) = if is_file && !is_recording {
+        if is_file && !is_recording {
             let knowledge = choices::read_rules(&self.run)?;
             let arena = arena.unwrap_or(ArenaKind::Physics);
-            (self.plan_of_rules(&knowledge, arena)?, knowledge)
-        } else {
-            of_run(&self.run, is_file)?
-        };
+            let plan = self.plan_of_rules(&knowledge, arena)?;
+            // The file does not say where its percepts are known.
+            return Ok((plan.fitted(), knowledge.elsewhere()));
+        }
+        let (own, knowledge) = of_run(&self.run, is_file)?;
+        let mut plan = own.clone();
         if let Some(world) = &self.world {
             plan.maze = choices::world(world)?;
         }
         plan.config.sensor = self.sensor.unwrap_or(plan.config.sensor);
+        let knowledge = match plan == own {
+            true => knowledge,
+            false => knowledge.elsewhere(),
+        };
         Ok((plan.fitted(), knowledge))
     }
 
@@ -102,7 +108,7 @@ impl LearnedArgs {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             method: Method::of(knowledge).unwrap_or(Method::Xcscr),
             arena,
-            sensor: Sensor::usual_in(arena),
+            sensor: self.sensor.unwrap_or(Sensor::usual_in(arena)),
             episodes: 1,
             seed: 1,
             settings: Settings::default(),

@@ -5,6 +5,9 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use tempfile::TempDir;
+use xcscr::agent::Knowledge;
+use xcscr::sensor::Sensor;
+use xcscr::world::Maze;
 
 use crate::kit::program::{ended, xcscr};
 
@@ -111,6 +114,32 @@ fn a_cell_shows_the_rules_that_match_there_in_the_wanted_order() {
         "rules none.json --world {maze4} --csv --sensor neighbours"
     ));
     assert!(none.lines().eq(text.lines().take(1)), "{none}");
+}
+
+#[test]
+fn in_another_world_the_fewest_rules_decide_wherever_all_rules_do() {
+    let own = fine("rules plus --json");
+    assert!(own.contains("\"known\""), "control: {own}");
+    let maze = Maze::load(world("maze5").as_ref()).unwrap();
+    for source in ["plus", "plus/rules.json"] {
+        let at = format!("{source} --world {} --sensor neighbours", world("maze5"));
+        let [few, all] = ["", "--all "].map(|how| {
+            let text = fine(&format!("rules {at} {how}--json"));
+            serde_json::from_str::<Knowledge>(&text).unwrap()
+        });
+        let mut decided = 0;
+        for percept in Sensor::Neighbours.percepts(&maze) {
+            let [few, all] = [&few, &all].map(|rules| rules.values(&percept, 4));
+            let mut chosen = few.best_actions();
+            assert!(chosen.all(|action| all.is_nearly_best(action)), "{percept}");
+            assert_eq!(few.greatest().is_some(), all.greatest().is_some());
+            decided += usize::from(all.greatest().is_some());
+        }
+        let (of_few, of_all) = (few.len(), all.len());
+        assert!(of_few < of_all && decided > 10, "{of_few}, {decided}");
+        let csv = fine(&format!("export {at} --target csv"));
+        assert_eq!(csv.lines().count() - 1, of_few, "{source}");
+    }
 }
 
 #[test]

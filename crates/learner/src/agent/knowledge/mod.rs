@@ -97,6 +97,16 @@ impl Knowledge {
         }
     }
 
+    /// Returns the knowledge for another world or sensor. Which percepts are known does not carry over, so the learner
+    /// decides wherever its rules match.
+    #[must_use]
+    pub fn elsewhere(mut self) -> Self {
+        if let Self::PerceptRules { known, .. } = &mut self {
+            known.clear();
+        }
+        self
+    }
+
     /// Returns true if the learner has a decision in a percept: if its model knows a path to a goal from there, or for
     /// learners without a model.
     pub fn decides(&self, percept: &Percept) -> bool {
