@@ -38,9 +38,12 @@ pub enum WorldCommand {
     Show {
         /// A world file.
         file: PathBuf,
-        /// Picture to write in place of the drawing: an .svg file that does not exist yet.
+        /// Picture to write in place of the drawing: an .svg file.
         #[arg(short, long, value_name = "FILE")]
         output: Option<PathBuf>,
+        /// Replace the picture if it exists.
+        #[arg(long, requires = "output")]
+        force: bool,
     },
     /// Show size, goals, shortest paths, and cells with the same percept.
     Info {
@@ -84,10 +87,14 @@ pub fn run(command: WorldCommand, out: &mut Results) -> Result<(), Failure> {
             let robot = robot.as_deref().map(RobotProfile::load).transpose()?;
             check(&files, robot.as_ref(), out)
         }
-        WorldCommand::Show { file, output } => {
+        WorldCommand::Show {
+            file,
+            output,
+            force,
+        } => {
             let maze = choices::world(&file)?;
             match output {
-                Some(picture) => draw(&maze, &picture),
+                Some(picture) => draw(&maze, &picture, force),
                 None => Ok(write!(out, "{}", maze.drawn(|_| None))?),
             }
         }
@@ -117,9 +124,9 @@ pub fn run(command: WorldCommand, out: &mut Results) -> Result<(), Failure> {
 }
 
 /// Writes the picture of a world.
-fn draw(maze: &Maze, picture: &Path) -> Result<(), Failure> {
+fn draw(maze: &Maze, picture: &Path, force: bool) -> Result<(), Failure> {
     map::require_svg(picture)?;
-    let file = OutputFile::free(picture, false)?;
+    let file = OutputFile::free(picture, force)?;
     let facts = Facts::new(maze);
     let caption = format!(
         "{} x {} cells, {}",
