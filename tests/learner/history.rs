@@ -97,8 +97,7 @@ fn the_fewest_rules_keep_the_decisions_and_only_fit_the_same_history() {
     let rules = Knowledge::Rules(few.rules);
     assert!(rules.check(config.perception(), maze).is_ok());
     let fault = rules.check(config.sensor, maze).unwrap_err().to_string();
-    let hint =
-        "was learned with `sensor.history` 1, but here it is 0: use `--set sensor.history=1`";
+    let hint = "is as wide as percepts with `sensor.history` 1, but here it is 0: use the percept";
     assert!(fault.contains(hint), "{fault}");
     let words: Vec<String> = rules
         .rules()

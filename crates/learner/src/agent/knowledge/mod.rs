@@ -250,14 +250,14 @@ pub enum Misfit {
     },
     /// The condition of a rule is as wide as percepts with another number of earlier steps.
     #[error(
-        "rule {rule} was learned with `sensor.history` {learned}, but here it is {wanted}: use `--set \
-         sensor.history={learned}`, or other rules"
+        "rule {rule} is as wide as percepts with `sensor.history` {fitting}, but here it is {wanted}: use the percept \
+         and the history of its run, which the folder of the run names"
     )]
     History {
         /// The condition of the rule.
         rule: String,
         /// The number of earlier steps that fits the width of the condition.
-        learned: u32,
+        fitting: u32,
         /// The number of earlier steps in the percepts.
         wanted: u32,
     },
@@ -302,10 +302,10 @@ impl Misfit {
             };
             other.width(maze) == rule.width()
         });
-        fitting.map_or(Ok(()), |learned| {
+        fitting.map_or(Ok(()), |fitting| {
             Err(Self::History {
                 rule: rule.to_string(),
-                learned,
+                fitting,
                 wanted,
             })
         })
