@@ -67,27 +67,36 @@ impl Protocol {
         places.filter(|_| is_larger && has_worlds && shared(self) == shared(found))
     }
 
-    /// Returns the settings that the study changes in some arm and that nothing reads in any arm, each with the reason.
+    /// Returns the settings that the study changes in some arm and that nothing reads, each with the reason. A setting
+    /// is read if an arm reads it that has the same value or changes it, too.
     pub fn unread(&self) -> BTreeMap<String, String> {
-        let arms = || self.arms.iter().filter(|arm| arm.agent.is_none());
+        let by_name = |all: &Settings| settings(all).into_iter().collect::<BTreeMap<_, _>>();
+        let arms = self.arms.iter().filter(|arm| arm.agent.is_none());
+        let arms = arms.map(|arm| {
+            let usual = by_name(&Settings::of(arm.method));
+            (arm, by_name(&arm.settings), usual)
+        });
+        let arms: Vec<_> = arms.collect();
         let mut unread = BTreeMap::new();
-        for arm in arms() {
-            let pairs = settings(&arm.settings).into_iter();
-            let changed = pairs.zip(settings(&Settings::of(arm.method)));
-            for ((key, _), _) in changed.filter(|(here, usual)| here != usual) {
-                // A robot is one choice of many settings.
-                let section = key
-                    .split('.')
-                    .next()
-                    .filter(|&section| section == "physics");
-                let key = section.unwrap_or(&key);
+        for (arm, here, usual) in &arms {
+            let changed = here
+                .iter()
+                .filter(|&(key, value)| usual.get(key) != Some(value));
+            for (key, value) in changed {
                 let why = |arm: &Arm| why_unread(key, arm.method, arm.arena);
-                if let (false, Some(why)) = (arms().any(|arm| why(arm).is_none()), why(arm)) {
-                    unread.insert(key.to_owned(), why);
+                let is_read = || {
+                    arms.iter().any(|(other, there, usual)| {
+                        let has_it =
+                            there.get(key) == Some(value) || there.get(key) != usual.get(key);
+                        has_it && why(other).is_none()
+                    })
+                };
+                if let Some(why) = why(arm).filter(|_| !is_read()) {
+                    unread.insert(key.clone(), why);
                 }
             }
         }
-        unread
+        of_robot_as_one(unread)
     }
 
     /// Describes the first differences from the protocol that was found in a folder.
@@ -155,6 +164,19 @@ impl Protocol {
     }
 }
 
+/// Names many settings of the robot as one: a robot profile changes many at once.
+fn of_robot_as_one(mut unread: BTreeMap<String, String>) -> BTreeMap<String, String> {
+    let section = "physics";
+    let is_of_robot = |key: &str| key.split('.').next() == Some(section);
+    if unread.keys().filter(|key| is_of_robot(key)).count() > MOST_LISTED {
+        let why = unread.iter().find(|(key, _)| is_of_robot(key));
+        let why = why.map(|(_, why)| (section.to_owned(), why.clone()));
+        unread.retain(|key, _| !is_of_robot(key));
+        unread.extend(why);
+    }
+    unread
+}
+
 /// Returns all settings by their full names.
 fn settings(settings: &Settings) -> Vec<(String, Value)> {
     flatten(Table::try_from(settings).expect("settings are plain data"))
@@ -212,13 +234,32 @@ mod tests {
         assert!(unread("xcs.beta=0.3").is_empty());
         assert!(unread("reward.theta_x=0.3").is_empty(), "xcscr reads it");
         assert_eq!(
-            unread("physics.noise=2")["physics"],
+            unread("physics.noise=2")["physics.noise"],
             "the arena `grid` has no robot"
         );
         assert_eq!(
             unread("tabular.lambda=0.3")["tabular.lambda"],
             "only `sarsa-lambda` reads it"
         );
+        let robot = SMALL.replace("name", "robot = 'turtlebot3-burger'\nname");
+        let unread = frozen(&robot, &[]).unwrap().unread();
+        assert!(unread.keys().eq(["physics"]), "{unread:?}");
+    }
+
+    #[test]
+    fn settings_of_one_method_that_only_other_methods_read_are_named() {
+        let text = SMALL.replace("xcscr", "q-learning");
+        let unread = |own: &str| frozen(&format!("{text}{own}\n"), &[]).unwrap().unread();
+        let wrong = unread("[method-settings.xcs]\ntabular.alpha = 0.1");
+        assert!(wrong.keys().eq(["tabular.alpha"]), "{wrong:?}");
+        for right in [
+            "[method-settings.q-learning]\ntabular.alpha = 0.1",
+            "[settings]\ntabular.alpha = 0.1",
+            "[settings]\nxcs.beta = 0.3\n[method-settings.xcs]\nxcs.beta = 0.1",
+            "[sweep]\nxcs.beta = [0.2, 0.3]",
+        ] {
+            assert!(unread(right).is_empty(), "{right}: {:?}", unread(right));
+        }
     }
 
     #[test]
