@@ -5,6 +5,7 @@ use std::fs;
 use serde_json::Value;
 
 use super::desk::Desk;
+use crate::kit::program::wait_until;
 
 /// The files of a study except its plan and its journals.
 fn results(desk: &Desk, study: &str) -> Vec<(String, Vec<u8>)> {
@@ -108,6 +109,27 @@ fn growth_keeps_files_that_are_not_those_of_the_smaller_study() {
     assert_ne!(desk.read("a/report.md"), "mine");
     // Control: an unchanged report is no hindrance.
     desk.done("run small.toml --trials 3 --out a --quiet");
+}
+
+#[test]
+fn the_report_of_the_smaller_study_is_printed_while_it_grows() {
+    let desk = Desk::new();
+    desk.done("run small.toml --trials 1 --out a --quiet");
+    let (before, files) = (desk.done("report a"), results(&desk, "a"));
+    let mut child = desk.begin("run small.toml --trials 90 --out a --jobs 1 --quiet");
+    wait_until("a trial", || desk.trials("a").len() > 4);
+    let (report, note) = desk.ends("report a", 0);
+    assert!(report.contains("xcscr"), "{report}");
+    assert!(report.lines().all(|line| before.contains(line)), "{report}");
+    let holder = format!("nothing was written: a is in use by process {}", child.id());
+    assert!(note.contains(&holder), "{note}");
+    for words in ["episodes a", "report a --force"] {
+        desk.refused(words, 73, "wait for it, or use another folder");
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(desk.done("report a"), before);
+    assert!(results(&desk, "a") == files);
 }
 
 #[test]

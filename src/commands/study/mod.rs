@@ -175,7 +175,8 @@ fn say_warnings(protocol: &Protocol) {
     }
 }
 
-/// Reports a complete study. For an incomplete study, prints the results of its finished trials.
+/// Reports a complete study. For an incomplete study, prints the results of its finished trials. In a folder that is
+/// in use or read-only, prints the result of a complete study that has its report.
 fn report(path: &Path, force: bool, is_json: bool, out: &mut Results) -> Result<(), Failure> {
     // A running study, or one in a read-only folder, can be read, but nothing can be written there.
     let (folder, busy) = match StudyFolder::read_locked(path) {
@@ -188,8 +189,15 @@ fn report(path: &Path, force: bool, is_json: bool, out: &mut Results) -> Result<
         print_report(&Report::new(&folder), is_json, None, out)?;
         return Err(incomplete.into());
     }
-    busy.map_or(Ok(()), Err)?;
-    finish(&folder.replacing(force), is_json, out)
+    let Some(busy) = busy else {
+        return finish(&folder.replacing(force), is_json, out);
+    };
+    if force || !path.join("report.html").is_file() {
+        return Err(busy.into());
+    }
+    print_report(&Report::new(&folder), is_json, None, out)?;
+    say(&format!("note: nothing was written: {busy}"));
+    refuse_failed(&folder)
 }
 
 /// Writes the tables and the report of a complete study, and prints the result.

@@ -73,7 +73,7 @@ impl FolderLock {
         }
         let holder = holder.map_or("another process".to_owned(), |pid| format!("process {pid}"));
         let message = format!(
-            "{} is in use by {holder}: wait for it, or choose another folder with `--out`",
+            "{} is in use by {holder}: wait for it, or use another folder",
             folder.display()
         );
         Err(ErrorKind::CannotCreate.error(message))
