@@ -18,7 +18,7 @@ use crate::disk;
 use crate::{Error, ErrorKind};
 
 impl StudyFolder {
-    /// Notes the generated files of a smaller study in the folder, which [`Self::replace_smaller`] removes.
+    /// Notes the generated files of a smaller study in the folder, which the replacement removes.
     ///
     /// # Errors
     /// When one was changed by hand or was not written with the report, unless it may be replaced.

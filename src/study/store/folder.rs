@@ -86,7 +86,7 @@ impl StudyFolder {
         }
     }
 
-    /// Reads the folder of a study, and locks it for writing. Completes an interrupted [`Self::replace_smaller`].
+    /// Reads the folder of a study, and locks it for writing. Completes an interrupted replacement of a smaller study.
     ///
     /// # Errors
     /// The same as for [`Self::read`], or [`ErrorKind::CannotCreate`] if another process has the lock.
@@ -102,7 +102,7 @@ impl StudyFolder {
     }
 
     /// Creates or reopens the folder of a study, and locks it for writing. The folder may contain a smaller
-    /// study, which stays there until [`Self::replace_smaller`].
+    /// study, which stays there until the larger one is finished.
     ///
     /// # Errors
     /// When the folder is in use or contains something else, or an error of the file system.
