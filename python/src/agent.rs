@@ -14,7 +14,8 @@ const TRIALS_AT_ONCE: u64 = 1000;
 /// The number of the random stream that chooses table rows.
 const ROWS_STREAM: u64 = 2;
 /// The reward of a right answer. A wrong answer gets 0.
-pub const RIGHT: f64 = 1000.0;
+const RIGHT: f64 = 1000.0;
+
 /// XCS with ternary or interval conditions, or `xcscr-plus`. Percepts are bytes: eight-byte floats in native byte
 /// order.
 #[pyclass(module = "xcscr._native")]
@@ -210,7 +211,7 @@ impl Agent {
         Ok(())
     }
 
-    /// Replaces the rules by few that choose the right action in each row of a table. `answers` has one byte for each row.
+    /// Drops rules that are not needed to choose the answers in the rows of a table. `answers` has one byte for each row.
     fn compact(&mut self, py: Python<'_>, rows: &[u8], answers: &[u8]) -> PyResult<()> {
         let table = self.table(rows)?;
         let rows = table.chunks(self.width).zip(answers);

@@ -2,16 +2,14 @@
 
 use xcs::{Action, Condition, Intervals, Percept, Population, RealPercept, Representation};
 
-use crate::agent::RIGHT;
-
 /// The fault of a state that cannot be restored.
 const REFUSED: &str = "the state is damaged, or from a learner with other arguments";
 
 /// The fault of a learner without a state.
 const UNSAVED: &str = "this learner cannot be saved";
 
-/// The fault of a learner whose rules are not intervals.
-const NOT_COMPACTED: &str = "only rules with intervals can be compacted";
+/// The fault of a learner whose rules are chosen otherwise.
+const NOT_COMPACTED: &str = "the rules of this learner cannot be compacted";
 
 /// The attributes tested by a condition, each with its lower and upper bound.
 pub type Tests = Vec<(usize, f64, f64)>;
@@ -22,15 +20,6 @@ pub type Rule = (Tests, usize, f64, f64, f64, u32, u32, f64, u64);
 pub trait Numeric: Representation {
     fn percept(values: &[f64]) -> Result<Self::Percept, String>;
     fn tests(&self) -> Tests;
-
-    /// Returns few rules that choose the right actions of a table. `None`: not for these conditions.
-    fn compacted(
-        _population: &Population<Self>,
-        _rows: &[(Self::Percept, Action)],
-        _actions: usize,
-    ) -> Option<Population<Self>> {
-        None
-    }
 }
 
 impl Numeric for Condition {
@@ -58,14 +47,6 @@ impl Numeric for Intervals {
             .map(|(attribute, &[lower, upper])| (attribute, lower, upper))
             .collect()
     }
-
-    fn compacted(
-        population: &Population<Self>,
-        rows: &[(RealPercept, Action)],
-        actions: usize,
-    ) -> Option<Population<Self>> {
-        Some(xcs::compacted(population, rows, actions, RIGHT))
-    }
 }
 
 /// A learner with any representation.
@@ -79,7 +60,7 @@ pub trait Learner: Send + Sync {
     fn rules(&self) -> Vec<Rule>;
     fn micro(&self) -> u32;
 
-    /// Replaces the rules by few that choose the right actions of a table.
+    /// Drops rules that are not needed to choose these actions in the rows of a table.
     fn compact(&mut self, _rows: &[(&[f64], Action)]) -> Result<(), String> {
         Err(NOT_COMPACTED.into())
     }
@@ -158,16 +139,10 @@ where
     }
 
     fn compact(&mut self, rows: &[(&[f64], Action)]) -> Result<(), String> {
-        let pair = |&(values, answer)| Ok::<_, String>((C::percept(values)?, answer));
+        let pair = |&(values, answer)| Ok::<_, String>((C::percept(values)?, vec![answer]));
         let rows = rows.iter().map(pair).collect::<Result<Vec<_>, String>>()?;
-        let few = C::compacted(self.xcs().population(), &rows, self.xcs().actions());
-        let few = few.ok_or(NOT_COMPACTED)?;
-        let (count, most) = (few.micro(), self.xcs().params().population_size);
-        if count > most {
-            return Err(format!(
-                "the table needs {count} micro-classifiers, more than the `population_size` of {most}"
-            ));
-        }
+        let decisions = rows.iter().map(|(row, answer)| (row, answer.clone()));
+        let few = xcs::fewest_rules_for(self.xcs().population(), decisions, self.xcs().actions());
         self.start_from(&few);
         Ok(())
     }

@@ -164,12 +164,9 @@ initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_s
             )
 
     def compact(self, X: Any, y: Any) -> XCSClassifier:
-        """Returns a classifier with few rules that decides as this one in the rows that this one classifies correctly.
+        """Returns a classifier with the fewest rules of this one that decide as it does in the rows that it classifies correctly.
 
-        Each rule matches only rows of its class among them, and has only the bounds that exclude the others. `experience` is
-        the number of these rows that it matches, and `prediction` is 1000 (experience + 1) / (experience + 2). A row that no
-        rule matches gets the largest class of the training rows. Raises ValueError if the numerosity of the rules is higher
-        than `population_size`.
+        The rules keep their statistics. The search is greedy, as that of the fewest rules of a policy.
         """
         check_is_fitted(self)
         X, y = validate_data(self, X, y, dtype=float, reset=False)

@@ -26,11 +26,12 @@ pub fn fewest_rules<C: Representation>(
         let decision = population.sums(percept).nearly_best(actions);
         (percept, decision)
     });
-    fewest_for(population, decisions, actions)
+    fewest_rules_for(population, decisions, actions)
 }
 
-/// Returns rules of `population` that choose, in each percept, only actions of its decision, where some rules do.
-pub(super) fn fewest_for<'a, C: Representation + 'a>(
+/// Returns rules of `population` that choose, in each percept, only actions of its decision, as [`fewest_rules`] does for
+/// the decisions of all rules. A percept whose decision its rules together do not make keeps all of them.
+pub fn fewest_rules_for<'a, C: Representation + 'a>(
     population: &Population<C>,
     decisions: impl Iterator<Item = (&'a C::Percept, Vec<Action>)>,
     actions: usize,
@@ -56,7 +57,7 @@ struct Task<'a, C: Representation> {
     actions: usize,
     /// By percept: the decision, which is one or more actions.
     decisions: Vec<Vec<Action>>,
-    /// By percept: true if all rules together do not make the decision.
+    /// By percept: true if all rules that match do not make the decision.
     lost: Vec<bool>,
     /// By percept: the rules that match it.
     matching: Vec<Vec<usize>>,
@@ -196,14 +197,16 @@ impl<'a, C: Representation> Task<'a, C> {
         self.decisions[at].contains(&action)
     }
 
-    /// Returns true if the kept rules choose only actions of the decision in a percept, or if no rules do.
+    /// Returns true if the kept rules choose only actions of the decision in a percept. Where no rules do, they must be
+    /// all rules that match.
     fn keeps_decision(&self, at: usize, kept: &[bool]) -> bool {
         let mut sums = PredictionSums::default();
         let rules = self.matching[at].iter().filter(|&&rule| kept[rule]);
         rules.for_each(|&rule| sums.add(&self.rules[rule]));
         let chosen = sums.best(self.actions, false);
         let is_kept = !chosen.is_empty() && chosen.iter().all(|&action| self.chooses(at, action));
-        is_kept || self.lost[at]
+        let has_all = || self.matching[at].iter().all(|&rule| kept[rule]);
+        is_kept || self.lost[at] && has_all()
     }
 }
 

@@ -54,7 +54,6 @@ pub mod random;
 
 mod agent;
 mod classifier;
-mod compaction;
 mod condition;
 mod deletion;
 mod fewest;
@@ -80,9 +79,8 @@ mod limits;
 
 pub use agent::{Agent, AgentState};
 pub use classifier::Classifier;
-pub use compaction::compacted;
 pub use condition::{Condition, ConditionError};
-pub use fewest::fewest_rules;
+pub use fewest::{fewest_rules, fewest_rules_for};
 pub use handles::ClassifierId;
 pub use intervals::{
     IntervalError, IntervalIndex, IntervalSettings, Intervals, NotANumber, RealPercept,
