@@ -6,7 +6,8 @@ use super::colours::{css, shade};
 use super::policy_picture::{Moment, PolicyPicture};
 use super::svg::{Drawing, Element, SCALE, decimals, short};
 use crate::record::colours::NO_GOAL;
-use crate::world::{Cell, Direction, Maze};
+use crate::world::{Cell, Direction, Maze, Paths};
+use xcs::Action;
 
 pub(super) const PAPER: u32 = 0xffffff;
 pub(super) const INK: u32 = 0x1d2430;
@@ -77,7 +78,7 @@ pub(super) fn draw(picture: &PolicyPicture) -> Drawing {
     }
 }
 
-/// Draws a world without a policy.
+/// Draws a world with all optimal actions in each cell.
 pub(super) fn draw_world(maze: &Maze, caption: String) -> Drawing {
     let cell = cell_px(maze, 1);
     let [wide, high] = [maze.width(), maze.height()].map(|cells| f64::from(cells) * cell);
@@ -88,6 +89,7 @@ pub(super) fn draw_world(maze: &Maze, caption: String) -> Drawing {
     let mut elements = vec![block(0.0, 0.0, width, height, PAPER)];
     elements.extend(plane.ground());
     elements.extend(plane.cells(&[]));
+    elements.extend(plane.optimal_actions());
     elements.extend(plane.letters());
     elements.push(words(MARGIN, 26.0, 17.0, INK, maze.name()));
     elements.push(words(MARGIN, 46.0, 13.0, FAINT, caption));
@@ -95,7 +97,7 @@ pub(super) fn draw_world(maze: &Maze, caption: String) -> Drawing {
         width: width as u32,
         height: height as u32,
         title: maze.name().to_owned(),
-        definitions: "",
+        definitions: ARROW,
         elements,
     }
 }
@@ -187,6 +189,28 @@ impl Plane<'_> {
                 };
                 let tail = self.centre(*cell);
                 shapes.push(arrow(tail, direction, length * self.cell, fill));
+            }
+        }
+        shapes
+    }
+
+    /// Returns an arrow for each action that begins a shortest path to a goal, coloured by the distance.
+    fn optimal_actions(&self) -> Vec<Element> {
+        let (maze, paths) = (self.maze, Paths::new(self.maze));
+        let distances = maze
+            .free_cells()
+            .filter_map(|cell| paths.distance(maze, cell));
+        let farthest = f64::from(distances.max().unwrap_or(1).max(2) - 1);
+        let mut shapes = Vec::new();
+        for cell in maze.free_cells().filter(|&cell| !maze.is_goal(cell)) {
+            for action in Action::all(maze.action_count()) {
+                let next = paths.successor(maze, cell, action);
+                let Some((next, direction)) = next.zip(maze.direction(action)) else {
+                    continue;
+                };
+                let left = paths.distance(maze, next).map_or(0.0, f64::from);
+                let fill = shade(1.0 - left / farthest);
+                shapes.push(arrow(self.centre(cell), direction, 0.47 * self.cell, fill));
             }
         }
         shapes

@@ -32,7 +32,12 @@ impl Plane<'_> {
         let px_per_m = self.cell / self.maze.cell_size_m();
         let [wide, high] =
             [self.maze.width(), self.maze.height()].map(|cells| f64::from(cells) * self.cell);
-        let corner = self.maze.solid().corner_in_grid().unwrap_or_default();
+        let corner = self
+            .maze
+            .solid()
+            .corner_in_grid()
+            .copied()
+            .unwrap_or_default();
         let half = Vector2::from(size) / 2.0;
         let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| {
             let at = middle + corner.rotation * half.component_mul(&Vector2::new(x, y));

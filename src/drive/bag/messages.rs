@@ -219,7 +219,7 @@ impl OccupancyGrid {
             true => OCCUPIED,
             false => 0,
         });
-        let corner = solid.corner_in_grid();
+        let corner = solid.corner_in_grid().copied();
         let grid = maze.grid_in_map();
         let place = |pose: Option<Isometry2<f64>>| pose.unwrap_or_else(Isometry2::identity);
         Self {

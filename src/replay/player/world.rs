@@ -45,7 +45,7 @@ impl Walls {
         let solid = maze.solid();
         let [width, height] = solid.size();
         let blocks = maze.is_from_map().then(|| solid.blocks())?;
-        let corner = solid.corner_in_grid().unwrap_or_default();
+        let corner = solid.corner_in_grid().copied().unwrap_or_default();
         let at = corner.translation.vector;
         let place = |block: &Block| {
             let below = height - block.row - block.height;

@@ -78,7 +78,7 @@ impl Lidar {
     /// order.
     pub(super) fn scan(
         &mut self,
-        terrain: &dyn Terrain,
+        terrain: &impl Terrain,
         moment: &Moment<'_>,
         turned_rad: f64,
         beams: &mut Vec<Return>,
@@ -106,7 +106,7 @@ impl Lidar {
     /// Measures one beam from `origin`.
     fn measure(
         &mut self,
-        terrain: &dyn Terrain,
+        terrain: &impl Terrain,
         origin: Vector2<f64>,
         direction: UnitComplex<f64>,
     ) -> Option<f64> {

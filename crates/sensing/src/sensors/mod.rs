@@ -24,7 +24,7 @@ pub trait Terrain {
     fn pixel_m(&self) -> f64;
 
     /// Returns the pose of the lower left corner in the grid frame; `None` if it is the grid frame.
-    fn corner_in_grid(&self) -> Option<Isometry2<f64>> {
+    fn corner_in_grid(&self) -> Option<&Isometry2<f64>> {
         None
     }
 
@@ -108,7 +108,7 @@ impl Sensors {
     /// Returns the readings of a step; fills `beams` with the beams of the lidar.
     pub fn read<'a>(
         &mut self,
-        terrain: &dyn Terrain,
+        terrain: &impl Terrain,
         moment: &Moment<'_>,
         beams: &'a mut Vec<Return>,
     ) -> Readings<'a> {

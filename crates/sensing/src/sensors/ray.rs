@@ -11,7 +11,7 @@ const WORTH_SKIPPING: f64 = 3.0;
 /// Returns the distance in metres from `origin` (grid frame) along the unit vector `direction` to
 /// the first wall; `None` when that is more than `limit_m`.
 pub fn cast(
-    terrain: &dyn Terrain,
+    terrain: &impl Terrain,
     origin: Vector2<f64>,
     direction: Vector2<f64>,
     limit_m: f64,
@@ -39,7 +39,7 @@ pub fn cast(
 
 /// Returns the same for a ray in the frame of the raster.
 fn cast_in_raster(
-    terrain: &dyn Terrain,
+    terrain: &impl Terrain,
     origin: Vector2<f64>,
     direction: Vector2<f64>,
     limit_m: f64,

@@ -10,7 +10,7 @@ impl Terrain for Maze {
         self.everything_solid().pixel_m()
     }
 
-    fn corner_in_grid(&self) -> Option<Isometry2<f64>> {
+    fn corner_in_grid(&self) -> Option<&Isometry2<f64>> {
         self.everything_solid().corner_in_grid()
     }
 

@@ -30,6 +30,8 @@ pub struct Solid {
     pub(super) pixel_m: f64,
     /// The pose of the lower left corner in the grid frame.
     pub(super) corner: Origin,
+    /// The same; `None` if it is the grid frame.
+    corner_in_grid: Option<Isometry2<f64>>,
     /// The radius in metres of the disc that stays clear on every move between cells; 0 in a maze.
     pub(super) radius_m: f64,
     /// Row by row from the top: the squared distance to the nearest solid pixel, between middles,
@@ -54,6 +56,7 @@ impl Solid {
             bits,
             pixel_m,
             corner,
+            corner_in_grid: (corner != Origin::default()).then(|| corner.pose()),
             radius_m: 0.0,
             squares: OnceLock::new(),
         }
@@ -92,8 +95,8 @@ impl Solid {
     }
 
     /// Returns the pose of the lower left corner in the grid frame; `None` if it is the grid frame.
-    pub fn corner_in_grid(&self) -> Option<Isometry2<f64>> {
-        (self.corner != Origin::default()).then(|| self.corner.pose())
+    pub fn corner_in_grid(&self) -> Option<&Isometry2<f64>> {
+        self.corner_in_grid.as_ref()
     }
 
     /// Returns true if a pixel is solid; columns count to the right and rows upward. Pixels outside
@@ -130,11 +133,12 @@ impl Solid {
         let [[west, south], [east, north]] = [at - reach, at + reach].map(|at| self.pixel_of(at));
         (south..=north).all(|row| {
             (west..=east).all(|col| {
+                if !self.is_solid(col, row) {
+                    return true;
+                }
                 let from_wall = self.offset_from_pixel(at, col, row);
                 let is_near = from_wall.norm_squared() < reach_m * reach_m;
-                !is_near
-                    || !self.is_solid(col, row)
-                    || test(turn.map_or(from_wall, |turn| turn * from_wall))
+                !is_near || test(turn.map_or(from_wall, |turn| turn * from_wall))
             })
         })
     }

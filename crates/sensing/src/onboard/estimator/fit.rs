@@ -7,7 +7,7 @@ use super::{
     WHEELS, X, Y,
 };
 use crate::onboard::angle::{ahead, cayley, square};
-use crate::onboard::field::Field;
+use crate::onboard::field::{Field, Surface};
 use crate::whole::round;
 
 /// The fit of a beam to a wall.
@@ -39,6 +39,9 @@ struct Wall {
     normal: Vector2<f64>,
     residual: f64,
     deviation: f64,
+    /// The covariances of the position along the normal: with itself, the heading, and the scale
+    /// of ranges.
+    covariances: [f64; 3],
 }
 
 impl Estimator {
@@ -48,19 +51,49 @@ impl Estimator {
         let end = ray.origin + range * ray.direction;
         match &self.map {
             Some(map) => [
-                wall_of(map.as_ref(), ray, end).map(|wall| self.fit(&wall, ray, range)),
+                self.wall_of(map.as_ref(), ray, end)
+                    .map(|wall| self.fit(&wall, ray, range)),
                 None,
             ],
-            None => [Vector2::x(), Vector2::y()].map(|normal| {
-                let at = end.dot(&normal);
-                let wall = Wall {
-                    normal,
-                    residual: round(at / self.cell_size_m) * self.cell_size_m - at,
-                    deviation: 0.0,
-                };
+            None => [X, Y].map(|axis| {
+                let wall = self.line(axis, end[axis]);
                 Some(self.fit(&wall, ray, range))
             }),
         }
+    }
+
+    /// Returns the nearest line across an axis for a beam that ends at `at` metres along the axis.
+    fn line(&self, axis: usize, at: f64) -> Wall {
+        let covariance = &self.filter.covariance;
+        Wall {
+            normal: match axis {
+                X => Vector2::x(),
+                _ => Vector2::y(),
+            },
+            residual: round(at / self.cell_size_m) * self.cell_size_m - at,
+            deviation: 0.0,
+            covariances: [axis, HEADING, RANGES].map(|column| covariance[(axis, column)]),
+        }
+    }
+
+    /// Returns the wall at which a beam ends, by a map; `None` if no surface near its end faces the
+    /// robot.
+    fn wall_of(&self, map: &dyn Field, ray: &Ray, end: Vector2<f64>) -> Option<Wall> {
+        let faces_robot = |surface: &Surface| surface.normal.dot(&ray.direction) < 0.0;
+        let surface = map.nearest(end).filter(faces_robot)?;
+        // The positive direction makes beams to opposite walls comparable.
+        let main = surface.normal[surface.normal.iamax()];
+        let sign = 1.0_f64.copysign(main);
+        let normal = sign * surface.normal;
+        let covariance = &self.filter.covariance;
+        let of =
+            |column: usize| normal.x * covariance[(X, column)] + normal.y * covariance[(Y, column)];
+        Some(Wall {
+            normal,
+            residual: -sign * surface.distance_m,
+            deviation: map.deviation_m(),
+            covariances: [normal.x * of(X) + normal.y * of(Y), of(HEADING), of(RANGES)],
+        })
     }
 
     /// Returns the fit of a beam to a wall.
@@ -68,6 +101,7 @@ impl Estimator {
         let Wall {
             normal, residual, ..
         } = *wall;
+        let [position, with_heading, with_ranges] = wall.covariances;
         let along = normal.dot(&ray.direction);
         // The component across the normal: how fast the end moves when the robot turns.
         let across = normal.y * ray.direction.x - normal.x * ray.direction.y;
@@ -78,13 +112,10 @@ impl Estimator {
         let by_ranges = range / (1.0 + self.filter.ranges) * along;
         let turned_and_scaled = square(by_heading) * covariance[(HEADING, HEADING)]
             + square(by_ranges) * covariance[(RANGES, RANGES)];
-        let of =
-            |column: usize| normal.x * covariance[(X, column)] + normal.y * covariance[(Y, column)];
-        let state_variance = normal.x * of(X)
-            + normal.y * of(Y)
+        let state_variance = position
             + turned_and_scaled
-            + 2.0 * by_heading * of(HEADING)
-            + 2.0 * by_ranges * of(RANGES)
+            + 2.0 * by_heading * with_heading
+            + 2.0 * by_ranges * with_ranges
             + 2.0 * by_heading * by_ranges * covariance[(HEADING, RANGES)];
         let measurement_variance = square(along * deviation)
             + square(across * range * self.assumed.beam_rad)
@@ -144,23 +175,4 @@ impl Estimator {
         self.filter.ranges += change[RANGES];
         self.filter.roll += change[ROLL];
     }
-}
-
-/// Returns the wall at which a beam ends, by a map; `None` if no surface near its end faces the
-/// robot.
-fn wall_of(map: &dyn Field, ray: &Ray, end: Vector2<f64>) -> Option<Wall> {
-    let surface = map.nearest(end)?;
-    let faces_robot = surface.normal.dot(&ray.direction) < 0.0;
-    // The positive direction makes beams to opposite walls comparable.
-    let main = if surface.normal.x.abs() >= surface.normal.y.abs() {
-        surface.normal.x
-    } else {
-        surface.normal.y
-    };
-    let sign = 1.0_f64.copysign(main);
-    faces_robot.then(|| Wall {
-        normal: sign * surface.normal,
-        residual: -sign * surface.distance_m,
-        deviation: map.deviation_m(),
-    })
 }
