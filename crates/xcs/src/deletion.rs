@@ -3,16 +3,12 @@
 use super::classifier::Classifier;
 use super::params::Params;
 
-/// Rules per block. Blocks are small, because a learning step changes rules throughout the
-/// population, and each change requires summing its block again.
-const BLOCK: usize = 8;
-/// Blocks per group. The roulette visits groups first, and recomputes only groups that changed.
-const GROUP: usize = 8;
+/// Rules per block: few, because a learning step changes rules throughout the population, and each
+/// change requires summing its block again.
+const BLOCK: usize = 16;
 
 /// The greatest raised vote. A fitness near 0 would make it, and the sum of all votes, infinite.
 const MOST_VOTE: f64 = 1e280;
-
-const _: () = assert!(BLOCK * GROUP == 64, "one bit of `Group::dirty` per rule");
 
 /// Cached deletion votes of \[P\] and their sums, by position.
 ///
@@ -24,21 +20,15 @@ const _: () = assert!(BLOCK * GROUP == 64, "one bit of `Group::dirty` per rule")
 /// Rounding errors therefore do not accumulate from step to step.
 #[derive(Debug, Clone, Default)]
 pub(super) struct DeletionVotes {
-    groups: Vec<Group>,
+    blocks: Vec<Block>,
 }
 
+/// The cached values of some rules, and the sums over them.
 #[derive(Debug, Clone)]
-struct Group {
+struct Block {
     /// One bit per rule that was added, changed or removed since the last refresh.
-    dirty: u64,
-    sums: Sums,
-    blocks: [Sums; GROUP],
-    votes: [[WeightedRule; BLOCK]; GROUP],
-}
-
-/// Sums over several rules.
-#[derive(Debug, Clone, Copy)]
-struct Sums {
+    dirty: u16,
+    rules: [WeightedRule; BLOCK],
     fitness: f64,
     /// The votes of the rules that are not unfit.
     plain: f64,
@@ -49,14 +39,6 @@ struct Sums {
     /// up to and including this value.
     cut_up_to: f64,
 }
-
-const NO_RULES: Sums = Sums {
-    fitness: 0.0,
-    plain: 0.0,
-    raised: 0.0,
-    cut_above: f64::NEG_INFINITY,
-    cut_up_to: f64::INFINITY,
-};
 
 /// The cached values of one rule. An empty position has no vote.
 #[derive(Debug, Clone, Copy)]
@@ -77,22 +59,25 @@ const NO_RULE: WeightedRule = WeightedRule {
     raised: 0.0,
 };
 
-const EMPTY: Group = Group {
+const EMPTY: Block = Block {
     dirty: 0,
-    sums: NO_RULES,
-    blocks: [NO_RULES; GROUP],
-    votes: [[NO_RULE; BLOCK]; GROUP],
+    rules: [NO_RULE; BLOCK],
+    fitness: 0.0,
+    plain: 0.0,
+    raised: 0.0,
+    cut_above: f64::NEG_INFINITY,
+    cut_up_to: f64::INFINITY,
 };
 
 impl DeletionVotes {
     /// Marks the rule at `position` as added, changed or removed.
     #[inline]
     pub fn touch(&mut self, position: usize) {
-        let group = position / (BLOCK * GROUP);
-        if group >= self.groups.len() {
-            self.groups.resize(group + 1, EMPTY);
+        let block = position / BLOCK;
+        if block >= self.blocks.len() {
+            self.blocks.resize(block + 1, EMPTY);
         }
-        self.groups[group].dirty |= 1 << (position % (BLOCK * GROUP));
+        self.blocks[block].dirty |= 1 << (position % BLOCK);
     }
 
     /// Returns the position of the rule selected by a roulette ball at `ball` (in `[0, 1)`).
@@ -104,25 +89,28 @@ impl DeletionVotes {
         params: &Params,
         ball: f64,
     ) -> usize {
-        let in_group = BLOCK * GROUP;
-        self.groups.truncate(rules.len().div_ceil(in_group));
-        for (group, rules) in self.groups.iter_mut().zip(rules.chunks(in_group)) {
-            if group.dirty != 0 {
-                group.refresh(rules, params);
+        self.blocks.truncate(rules.len().div_ceil(BLOCK));
+        for (block, rules) in self.blocks.iter_mut().zip(rules.chunks(BLOCK)) {
+            if block.dirty != 0 {
+                block.refresh(rules, params);
             }
         }
-        let fitness: f64 = self.groups.iter().map(|group| group.sums.fitness).sum();
+        let fitness: f64 = self.blocks.iter().map(|block| block.fitness).sum();
         let mean_fitness = fitness / f64::from(micro);
         let cut = params.delta * mean_fitness;
-        for group in &mut self.groups {
-            if !group.sums.hold_for(cut) {
-                group.sum_votes(cut);
+        for block in &mut self.blocks {
+            if !(cut > block.cut_above && cut <= block.cut_up_to) {
+                block.sum_votes(cut);
             }
         }
-        let votes = |group: &Group| group.sums.votes(mean_fitness);
-        let mut left = ball * self.groups.iter().map(votes).sum::<f64>();
-        let at = stop(self.groups.iter().map(votes), &mut left);
-        let at = at * in_group + self.groups[at].walk(cut, mean_fitness, left);
+        let votes = |block: &Block| block.plain + block.raised * mean_fitness;
+        let mut left = ball * self.blocks.iter().map(votes).sum::<f64>();
+        let at = stop(self.blocks.iter().map(votes), &mut left);
+        let of_rule = |rule: &WeightedRule| match rule.mean < cut {
+            true => rule.raised * mean_fitness,
+            false => rule.plain,
+        };
+        let at = at * BLOCK + stop(self.blocks[at].rules.iter().map(of_rule), &mut left);
         at.min(rules.len() - 1)
     }
 }
@@ -141,100 +129,36 @@ fn stop(votes: impl Iterator<Item = f64>, left: &mut f64) -> usize {
     last
 }
 
-impl Group {
-    /// Updates the rules that changed. `rules` are the rules of the group.
+impl Block {
+    /// Updates the rules that changed. `rules` are the rules of the block.
     fn refresh<C>(&mut self, rules: &[Classifier<C>], params: &Params) {
         while self.dirty != 0 {
             let at = self.dirty.trailing_zeros() as usize;
             self.dirty &= self.dirty - 1;
-            let vote = |rule| WeightedRule::of(rule, params);
-            self.votes[at / BLOCK][at % BLOCK] = rules.get(at).map_or(NO_RULE, vote);
-            self.blocks[at / BLOCK].invalidate();
+            let values = |rule| WeightedRule::of(rule, params);
+            self.rules[at] = rules.get(at).map_or(NO_RULE, values);
         }
-        for (block, votes) in self.blocks.iter_mut().zip(&self.votes) {
-            if !block.is_valid() {
-                block.fitness = votes.iter().map(|vote| vote.fitness).sum();
-            }
-        }
-        self.sums.fitness = self.blocks.iter().map(|block| block.fitness).sum();
-        self.sums.invalidate();
-    }
-
-    /// Sums the votes for a cut, in the blocks whose sums are invalid for it.
-    fn sum_votes(&mut self, cut: f64) {
-        let mut all = Sums {
-            fitness: self.sums.fitness,
-            ..NO_RULES
-        };
-        for (block, votes) in self.blocks.iter_mut().zip(&self.votes) {
-            if !block.hold_for(cut) {
-                block.sum_votes(votes, cut);
-            }
-            all.plain += block.plain;
-            all.raised += block.raised;
-            all.narrow(block.cut_above, block.cut_up_to);
-        }
-        self.sums = all;
-    }
-
-    /// Returns the position of the vote that exhausts `left`.
-    fn walk(&self, cut: f64, mean_fitness: f64, mut left: f64) -> usize {
-        let blocks = self.blocks.iter().map(|block| block.votes(mean_fitness));
-        let block = stop(blocks, &mut left);
-        let votes = self.votes[block].iter().map(|vote| {
-            if vote.mean < cut {
-                vote.raised * mean_fitness
-            } else {
-                vote.plain
-            }
-        });
-        block * BLOCK + stop(votes, &mut left)
-    }
-}
-
-impl Sums {
-    fn votes(&self, mean_fitness: f64) -> f64 {
-        self.plain + self.raised * mean_fitness
-    }
-
-    fn hold_for(&self, cut: f64) -> bool {
-        cut > self.cut_above && cut <= self.cut_up_to
-    }
-
-    fn is_valid(&self) -> bool {
-        self.cut_above < self.cut_up_to
-    }
-
-    /// Marks the sums of votes as valid for no cut.
-    fn invalidate(&mut self) {
+        self.fitness = self.rules.iter().map(|rule| rule.fitness).sum();
+        // The sums of votes are valid for no cut.
         (self.cut_above, self.cut_up_to) = (f64::INFINITY, f64::NEG_INFINITY);
     }
 
-    /// Restricts the validity of the sums of votes to cuts above `above` and up to `up_to`.
-    fn narrow(&mut self, above: f64, up_to: f64) {
-        // Not `max` and `min`, which handle NaN and take twice as long.
-        if above > self.cut_above {
-            self.cut_above = above;
-        }
-        if up_to < self.cut_up_to {
-            self.cut_up_to = up_to;
-        }
-    }
-
-    /// Sums the votes of a block for a cut.
-    fn sum_votes(&mut self, votes: &[WeightedRule; BLOCK], cut: f64) {
-        let fitness = self.fitness;
-        *self = Self {
-            fitness,
-            ..NO_RULES
-        };
-        for vote in votes {
-            if vote.mean < cut {
-                self.raised += vote.raised;
-                self.narrow(vote.mean, f64::INFINITY);
+    /// Sums the votes for a cut, and finds the other cuts for which the sums hold.
+    fn sum_votes(&mut self, cut: f64) {
+        (self.plain, self.raised) = (0.0, 0.0);
+        (self.cut_above, self.cut_up_to) = (EMPTY.cut_above, EMPTY.cut_up_to);
+        for rule in &self.rules {
+            // Not `max` and `min`, which handle NaN and take twice as long.
+            if rule.mean < cut {
+                self.raised += rule.raised;
+                if rule.mean > self.cut_above {
+                    self.cut_above = rule.mean;
+                }
             } else {
-                self.plain += vote.plain;
-                self.narrow(f64::NEG_INFINITY, vote.mean);
+                self.plain += rule.plain;
+                if rule.mean < self.cut_up_to {
+                    self.cut_up_to = rule.mean;
+                }
             }
         }
     }
