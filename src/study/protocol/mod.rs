@@ -85,11 +85,6 @@ impl Arm {
         self.agent.as_deref().unwrap_or(self.method.name())
     }
 
-    /// Returns the method, or `None` for a custom agent.
-    pub fn built_in(&self) -> Option<Method> {
-        Some(self.method).filter(|_| self.agent.is_none())
-    }
-
     /// Returns the world, the method, the arena, the sensor and the variant in words.
     pub fn name(&self) -> String {
         let words = [self.method_name(), self.arena.name(), self.sensor.name()];

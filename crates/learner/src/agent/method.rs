@@ -67,14 +67,6 @@ impl Method {
         }
     }
 
-    /// Returns true if the paper compares this method.
-    pub fn is_of_paper(self) -> bool {
-        matches!(
-            self,
-            Self::Xcs | Self::AdaptedEven | Self::AdaptedDiscounted | Self::Xcscr
-        )
-    }
-
     /// Returns true if the method learns rules, false if it learns a table.
     pub fn learns_rules(self) -> bool {
         match self {

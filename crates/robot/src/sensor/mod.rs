@@ -162,11 +162,6 @@ impl Sensor {
         )
     }
 
-    /// Returns true if the percept consists only of the eight cells around the robot.
-    pub fn shows_only_surroundings(self) -> bool {
-        matches!(self, Self::Neighbours | Self::Lidar)
-    }
-
     /// Returns every percept that occurs in the middle of a free, non-goal cell of a maze, each
     /// once, in order.
     pub fn percepts(self, maze: &Maze) -> Vec<Percept> {
