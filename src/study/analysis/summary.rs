@@ -186,9 +186,9 @@ impl<'a> ArmRecords<'a> {
     /// are none.
     fn share_of_steps(&self, mistakes: impl Fn(&Mistakes) -> u64) -> Option<f64> {
         let progress = || self.figures().map(|one| one.progress);
-        let found: u64 = progress().map(|one| mistakes(&one.mistakes)).sum();
-        let steps: u64 = progress().map(|one| one.steps).sum();
-        (found > 0).then(|| rounded(found as f64 / steps.max(1) as f64))
+        let found: f64 = progress().map(|one| mistakes(&one.mistakes) as f64).sum();
+        let steps: f64 = progress().map(|one| one.steps as f64).sum();
+        (found > 0.0).then(|| rounded(found / steps.max(1.0)))
     }
 }
 

@@ -194,7 +194,7 @@ pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
         true => " Other trials that are not solved might be solved with more episodes.",
         false => "",
     };
-    let lost: u64 = arms.iter().map(|arm| arm.successes - arm.retained).sum();
+    let lost: u64 = arms.iter().map(|arm| arm.successes.saturating_sub(arm.retained)).sum();
     let found: u64 = arms.iter().map(|arm| arm.successes).sum();
     let retained = match found {
         0 => String::new(),

@@ -7,9 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::episode::Episode;
 use crate::study::custom::Agents;
 use crate::study::protocol::Protocol;
-use crate::trial::{Compacted, Config, Evaluation, GreedySteps, Plan, Progress, Trial};
-use crate::world::Maze;
-use xcs::bounds::{OutOfRange, within};
+use crate::trial::{Compacted, Evaluation, GreedySteps, Plan, Progress, Trial};
 
 /// The figures of a trial that ran to its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -60,51 +58,6 @@ impl Driven {
     pub fn share(&self, some: u32) -> f64 {
         f64::from(some) / f64::from(self.episodes.max(1))
     }
-
-    fn check(&self, limit: f64) -> Result<(), OutOfRange> {
-        within("driven.goals", self.goals, 0..=self.episodes)?;
-        within("driven.optimal", self.optimal, 0..=self.goals)?;
-        within("driven.steps", self.steps, 0.0..=limit)
-    }
-}
-
-impl Figures {
-    /// Checks the figures of a trial with a custom agent. Such an agent sets its own step limit and
-    /// number of rules.
-    fn check_own(&self, mut config: Config) -> Result<(), OutOfRange> {
-        config.settings.reward.step_threshold = u32::MAX;
-        let limit = f64::from(u32::MAX);
-        self.progress.check(&config)?;
-        self.driven.map_or(Ok(()), |driven| driven.check(limit))
-    }
-
-    /// Checks that a trial with these settings can have these figures at its end.
-    fn check(&self, maze: &Maze, config: &Config) -> Result<(), OutOfRange> {
-        within(
-            "episodes",
-            self.progress.episodes,
-            config.episodes..=config.episodes,
-        )?;
-        self.progress.check(config)?;
-        // A table has at most one row per cell and action. A population exceeds its limit only
-        // briefly.
-        let cells = usize::from(maze.width()) * usize::from(maze.height());
-        let most =
-            (cells * maze.action_count()).max(2 * config.settings.xcs.population_size as usize);
-        within("rules", self.rules, 0..=most)?;
-        let limit = f64::from(config.settings.reward.step_threshold);
-        let means = [
-            ("greedy_steps", self.greedy_steps),
-            ("greedy_ratio", self.greedy_ratio),
-        ];
-        for (name, mean) in means {
-            within(name, mean.unwrap_or(1.0), 0.0..=limit)?;
-        }
-        within("greedy_score", self.greedy_score.unwrap_or(1.0), 0.0..=1.0)?;
-        self.driven.map_or(Ok(()), |driven| driven.check(limit))?;
-        let compacted = self.compacted_rules.unwrap_or(0);
-        within("compacted_rules", compacted, 0..=self.rules)
-    }
 }
 
 /// A finished trial of a study: its number, and its figures or its error.
@@ -142,23 +95,18 @@ impl TrialRecord {
         Self { trial, result }
     }
 
-    /// Checks that the study has such a trial, and that the trial can have these figures.
+    /// Checks that the study has such a trial.
     ///
     /// # Errors
-    /// Describes the first figure that is out of range.
+    /// Describes the fault.
     pub(in crate::study) fn check(&self, protocol: &Protocol) -> Result<(), String> {
         let (trial, trials) = (self.trial, protocol.len());
-        if trial >= trials {
-            return Err(format!(
+        match trial < trials {
+            true => Ok(()),
+            false => Err(format!(
                 "the study has no trial {trial}: it has {trials}, counted from 0"
-            ));
+            )),
         }
-        let is_custom = protocol.arm(trial).agent.is_some();
-        let figures = self.figures().map_or(Ok(()), |figures| match is_custom {
-            true => figures.check_own(protocol.config(trial)),
-            false => figures.check(protocol.maze(trial), &protocol.config(trial)),
-        });
-        figures.map_err(|fault| format!("trial {trial}: {fault}"))
     }
 
     /// Returns true if both have the same figures, or both failed. The texts of errors may differ, as an address or a
@@ -256,13 +204,14 @@ fn words(panic: &(dyn std::any::Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::world::{Maze, Paths};
 
     #[test]
     fn the_score_of_a_policy_does_not_depend_on_the_step_limit() {
         for limit in [50_u32, 600] {
             let mut plan = Plan::new(Maze::load("worlds/maze4.json".as_ref()).unwrap());
             plan.config.settings.reward.step_threshold = limit;
-            let optimum = f64::from(crate::world::Paths::new(&plan.maze).longest(&plan.maze));
+            let optimum = f64::from(Paths::new(&plan.maze).longest(&plan.maze));
             let score = |arrivals: u32, steps: f64| {
                 let failed = f64::from(4 - arrivals) * f64::from(limit);
                 let mean = (f64::from(arrivals) * steps + failed) / 4.0;

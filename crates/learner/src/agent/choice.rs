@@ -5,7 +5,6 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 use strum::{IntoStaticStr, VariantArray};
 use xcs::Action;
-use xcs::bounds::{OutOfRange, within};
 
 /// The decision source of an action.
 #[derive(
@@ -106,17 +105,6 @@ impl Chosen {
         self.table += others.table;
         self.planner += others.planner;
         self.chance += others.chance;
-    }
-
-    /// Checks that each count is possible for `steps` steps.
-    ///
-    /// # Errors
-    /// The first count that is out of range.
-    pub fn check(&self, steps: u64) -> Result<(), OutOfRange> {
-        within("chosen.rules", self.rules, 0..=steps)?;
-        within("chosen.table", self.table, 0..=steps)?;
-        within("chosen.planner", self.planner, 0..=steps)?;
-        within("chosen.chance", self.chance, 0..=steps)
     }
 }
 

@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::observer::{Observer, Step};
-use xcs::bounds::{OutOfRange, within};
 use xcscr_robot::arena::View;
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::Cell;
@@ -20,19 +19,6 @@ pub struct Mistakes {
 }
 
 impl Mistakes {
-    /// Checks that the counts are possible for `steps` steps.
-    ///
-    /// # Errors
-    /// The first count that is too large.
-    pub fn check(&self, steps: u64) -> Result<(), OutOfRange> {
-        within(
-            "mistakes.observation_error",
-            self.observation_error,
-            0..=steps,
-        )?;
-        within("mistakes.mislocalised", self.mislocalised, 0..=steps)
-    }
-
     /// Adds the counts of other steps.
     pub fn add(&mut self, other: Self) {
         self.observation_error += other.observation_error;

@@ -16,7 +16,7 @@ mod unread;
 mod warning;
 mod why;
 
-use std::ops::{ControlFlow, RangeInclusive};
+use std::ops::ControlFlow;
 
 use serde::{Deserialize, Serialize};
 
@@ -39,7 +39,6 @@ pub use why::{Change, WeightedRule, Why};
 
 use crate::agent::{Agent, Chosen, Explorer};
 use crate::episode::{self, BestChoices, Episode, Mistakes, Observer, PolicyMap, Watch};
-use xcs::bounds::{OutOfRange, within};
 use xcs::random::Stream;
 use xcscr_robot::arena::Arena;
 use xcscr_robot::streams::StreamName;
@@ -91,36 +90,6 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Checks that a trial with this configuration can have these figures.
-    ///
-    /// # Errors
-    /// The first figure that is out of its range, with the range.
-    pub fn check(&self, config: &Config) -> Result<(), OutOfRange> {
-        let (done, limit) = (self.episodes, config.settings.reward.step_threshold);
-        within("episodes", done, 0..=config.episodes)?;
-        within("steps", self.steps, u64::from(done)..=longest(done, limit))?;
-        within("collisions", self.collisions, 0..=self.steps)?;
-        within("filter_firings", self.filter_firings, 0..=self.steps)?;
-        within("reached_goal", self.reached_goal, 0..=done)?;
-        within("imprintings", self.imprintings, 0..=done)?;
-        self.mistakes.check(self.steps)?;
-        self.chosen.check(self.steps)?;
-        self.chosen_before.check(self.steps)?;
-        self.check_optimum(limit)?;
-        self.check_retention()?;
-        let executed = self.first_executed_optimal_episode;
-        some_within("first_executed_optimal_episode", executed, 1..=done)?;
-        some_within("best_steps", self.best_steps, 1..=limit)
-    }
-
-    /// Checks `optimal_episodes`: at least the first optimal episode, at most all episodes since
-    /// then.
-    fn check_retention(&self) -> Result<(), OutOfRange> {
-        let since = |first: u32| 1..=self.episodes.saturating_add(1).saturating_sub(first);
-        let possible = self.first_optimal_episode.map_or(0..=0, since);
-        within("optimal_episodes", self.optimal_episodes, possible)
-    }
-
     /// Returns the share of optimal episodes after the first optimal one; `None` if there are no
     /// episodes after it.
     pub fn optimal_share_after_first(&self) -> Option<f64> {
@@ -128,37 +97,6 @@ impl Progress {
         let optimal = self.optimal_episodes.saturating_sub(1);
         (after > 0).then(|| f64::from(optimal) / f64::from(after))
     }
-
-    /// Checks that the first optimum has both an episode and a step, or neither.
-    fn check_optimum(&self, limit: u32) -> Result<(), OutOfRange> {
-        let (episode, steps) = (self.first_optimal_episode, self.first_optimal_env_steps);
-        some_within("first_optimal_episode", episode, 1..=self.episodes)?;
-        let Some((first, steps)) = episode.zip(steps) else {
-            let is_without = episode.is_none() && steps.is_none() && !self.optimal;
-            let refusal = || OutOfRange {
-                key: "first_optimal_episode",
-                value: episode.map_or("missing".to_owned(), |first| first.to_string()),
-                allowed: "present if and only if `first_optimal_env_steps` is present".to_owned(),
-            };
-            return is_without.then_some(()).ok_or_else(refusal);
-        };
-        let latest = self.steps.min(longest(first, limit));
-        within("first_optimal_env_steps", steps, u64::from(first)..=latest)
-    }
-}
-
-/// Returns the maximum number of steps of this many episodes.
-fn longest(episodes: u32, limit: u32) -> u64 {
-    u64::from(episodes) * u64::from(limit)
-}
-
-/// Checks that a figure is missing or in its range.
-fn some_within<T: PartialOrd + std::fmt::Display>(
-    key: &'static str,
-    figure: Option<T>,
-    range: RangeInclusive<T>,
-) -> Result<(), OutOfRange> {
-    figure.map_or(Ok(()), |figure| within(key, figure, range))
 }
 
 impl Plan {

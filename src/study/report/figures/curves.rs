@@ -115,8 +115,9 @@ fn staircase(
 ) -> Vec<(u32, f64)> {
     let mut corners: Vec<(u32, f64)> = Vec::new();
     for (episode, interval) in steps {
-        corners.extend(corners.last().map(|(_, before)| (*episode, *before)));
-        corners.push((*episode, share(interval)));
+        let episode = episodes.min(*episode);
+        corners.extend(corners.last().map(|(_, before)| (episode, *before)));
+        corners.push((episode, share(interval)));
     }
     corners.extend(corners.last().map(|(_, last)| (episodes, *last)));
     corners
