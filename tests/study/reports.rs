@@ -4,26 +4,6 @@ use crate::study::desk::{Desk, SMALL};
 use serde_json::Value;
 
 #[test]
-fn the_fewest_steps_are_told_with_the_arena_only_where_there_are_several() {
-    let desk = Desk::new();
-    let text = SMALL.replace(", \"maze5\"", "").replace("xcscr", "r-max");
-    desk.write("one.toml", &text);
-    desk.write("two.toml", &(text + "arenas = [\"grid\", \"physics\"]\n"));
-    let told = |name: &str| {
-        let said = desk.done(&format!(
-            "run {name}.toml --out {name} --trials 1 --episodes 40"
-        ));
-        let said = said.replace('\n', " ");
-        let from = said.find("fewest steps to the first optimum").unwrap();
-        said[from..].chars().take(90).collect::<String>()
-    };
-    let (one, two) = (told("one"), told("two"));
-    assert!(!one.contains("maze4 grid"), "{one}");
-    let both = two.contains("maze4 grid") && two.contains("maze4 physics");
-    assert!(both, "{two}");
-}
-
-#[test]
 fn what_was_turned_off_is_compared_with_nothing() {
     let desk = Desk::new();
     let keys = r#"

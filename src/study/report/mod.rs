@@ -113,9 +113,6 @@ impl Report {
         blocks.extend([Block::Heading("Table".to_owned()), Block::Table(results)]);
         blocks.extend(results::letters_legend(&results::letters(arms)).map(Block::Text));
         blocks.push(Block::Text(legend));
-        if self.missing == 0 {
-            blocks.extend(results::fewest_steps(&self.arms).map(Block::Text));
-        }
         if !self.pictures.is_empty() {
             blocks.push(Block::Heading("Figures".to_owned()));
             blocks.extend(self.pictures.iter().cloned().map(Block::Picture));

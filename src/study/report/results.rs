@@ -1,6 +1,6 @@
 //! The table of results, with a row for each arm.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use serde_json::Value;
 
@@ -194,7 +194,10 @@ pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
         true => " Other trials that are not solved might be solved with more episodes.",
         false => "",
     };
-    let lost: u64 = arms.iter().map(|arm| arm.successes.saturating_sub(arm.retained)).sum();
+    let lost: u64 = arms
+        .iter()
+        .map(|arm| arm.successes.saturating_sub(arm.retained))
+        .sum();
     let found: u64 = arms.iter().map(|arm| arm.successes).sum();
     let retained = match found {
         0 => String::new(),
@@ -207,73 +210,4 @@ pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
         "These numbers hold for these worlds, percepts and settings, and for {episodes} episodes.\
          {hopeless}{open}{retained}{failed}"
     )
-}
-
-/// Describes which method needs the fewest steps to the first optimum, and where. `None` for one
-/// method.
-pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
-    let arms: Vec<_> = arms.iter().filter(|arm| !arm.needs_memory).collect();
-    let places: BTreeSet<_> = arms.iter().map(|arm| place(arm)).collect();
-    let arenas: BTreeSet<_> = arms.iter().map(|arm| arm.arena).collect();
-    let sensors: BTreeSet<_> = arms.iter().map(|arm| arm.sensor).collect();
-    // Leave out what all places have in common.
-    let name = |arm: &ArmSummary| {
-        let (arena, sensor) = (arm.arena, arm.sensor);
-        let arena = if arenas.len() > 1 { arena } else { "" };
-        let sensor = if sensors.len() > 1 { sensor } else { "" };
-        let words = [&arm.world, arena, sensor, &arm.variant];
-        let words: Vec<&str> = words.into_iter().filter(|word| !word.is_empty()).collect();
-        words.join(" ")
-    };
-    let mut winners: BTreeMap<&str, Vec<String>> = BTreeMap::new();
-    for there in &places {
-        let mut competitors = arms.clone();
-        competitors.retain(|arm| place(arm) == *there);
-        if let Some((winner, is_clear)) = winner(&competitors) {
-            let mark = if is_clear { "" } else { " ?" };
-            let words = format!("{}{mark}", name(winner));
-            winners.entry(&winner.method).or_default().push(words);
-        }
-    }
-    let words = winners.iter().map(|(method, won)| {
-        let (all, count) = (places.len(), won.len());
-        format!("{method} in {count} of {all} ({})", won.join(", "))
-    });
-    let words: Vec<String> = words.collect();
-    (!words.is_empty()).then(|| {
-        format!(
-            "Method with the most optimal trials and, among equals, the fewest steps to the first optimum: {}. \
-             A ? marks overlapping intervals of the best two.",
-            words.join("; ")
-        )
-    })
-}
-
-/// Returns what arms of different methods have in common.
-fn place(arm: &ArmSummary) -> [&str; 4] {
-    [&arm.world, arm.arena, arm.sensor, &arm.variant]
-}
-
-/// Returns the arm with the fewest steps in one place, and whether its lead is significant. `None`
-/// if no arm found an optimum. Only the arms with the most successes compete. Where trials without
-/// an optimum are short, steps alone would favour arms that fail.
-fn winner<'a>(competitors: &[&'a ArmSummary]) -> Option<(&'a ArmSummary, bool)> {
-    let steps = |arm: &ArmSummary| arm.iqm_env_steps.unwrap_or(f64::INFINITY);
-    let most = competitors.iter().map(|arm| arm.successes).max()?;
-    if most == 0 || competitors.len() < 2 {
-        return None;
-    }
-    let mut ranked: Vec<_> = competitors
-        .iter()
-        .filter(|arm| arm.successes == most)
-        .collect();
-    ranked.sort_by(|a, b| steps(a).total_cmp(&steps(b)));
-    let first = *ranked[0];
-    let Some(second) = ranked.get(1) else {
-        let rest = competitors.iter().filter(|arm| arm.successes < most);
-        let is_clear = rest.map(|arm| arm.wilson_high).fold(0.0, f64::max) < first.wilson_low;
-        return Some((first, is_clear));
-    };
-    let is_clear = first.iqm_env_steps_high < second.iqm_env_steps_low;
-    Some((first, is_clear))
 }
