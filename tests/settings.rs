@@ -150,13 +150,10 @@ fn every_setting_is_declared_and_every_number_has_a_range() {
     let declared = Settings::declared();
     let keys: Vec<&str> = declared.iter().map(|setting| setting.key).collect();
     assert!(resolved.entries().map(|(key, ..)| key).eq(keys));
-    // What they may be at most depends on another setting.
-    let depending = [
-        "physics.deceleration_mps2",
-        "physics.wheel_acceleration_mps2",
-    ];
+    // What it may be at most depends on another setting.
+    let depending = "physics.deceleration_mps2";
     for (setting, (key, value, _)) in declared.iter().zip(resolved.entries()) {
-        let ranged = value.parse::<f64>().is_ok() && !depending.contains(&key);
+        let ranged = value.parse::<f64>().is_ok() && key != depending;
         assert_eq!(setting.range.is_some(), ranged, "{key}");
         assert!(!setting.about.is_empty(), "{key}");
     }

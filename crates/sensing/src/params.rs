@@ -67,12 +67,14 @@ settings! {
         scale: f64 = 0.01, in 0.0..=0.05;
         /// Deviation of the offset in m, drawn once for each robot.
         offset_m: f64 = 0.005, in 0.0..=0.05;
+    }
+    constants {
         /// Deviation of a beam's direction in rad.
-        jitter_rad: f64 = 0.004, in 0.0..=0.05;
+        jitter_rad: f64 = 0.004;
         /// Share of beams of which nothing comes back.
-        dropouts: f64 = 0.01, in 0.0..=0.2;
+        dropouts: f64 = 0.01;
         /// Share of beams that report a random range.
-        outliers: f64 = 0.005, in 0.0..=0.05;
+        outliers: f64 = 0.005;
     }
 }
 
@@ -130,12 +132,14 @@ settings! {
         fitted: bool = true;
         /// Deviation of the turn rate in rad/s; 0.1 deg/s by default.
         noise_radps: f64 = 0.00175, in 0.0..=0.05;
-        /// Deviation of the bias in rad/s, drawn once for each robot; 0.5 deg/s by default.
-        bias_radps: f64 = 0.0087, in 0.0..=0.2;
         /// Deviation of the scale, drawn once for each robot.
         scale: f64 = 0.01, in 0.0..=0.05;
         /// Largest rate that the gyro measures, in rad/s; 1000 deg/s by default.
         range_radps: f64 = 17.45, in 1.0..=40.0;
+    }
+    constants {
+        /// Deviation of the bias in rad/s, drawn once for each robot; 0.5 deg/s by default.
+        bias_radps: f64 = 0.0087;
     }
 }
 
@@ -173,26 +177,28 @@ settings! {
 
     /// The filter. Each mechanism has a switch, so that its benefit can be measured.
     pub struct EstimatorParams {
-        /// Factor by which the filter multiplies the noise of the sensors' data sheets. With less
-        /// it would be overconfident, with more it accepts too many beams.
-        caution: f64 = 1.2, in 0.5..=5.0;
-        /// Squared distance of a beam from a line, in units of its variance, above which the beam
-        /// is rejected. 3 deviations by default.
-        gate: f64 = 9.0, in 1.0..=10_000.0;
         /// Use every n-th beam of a turn, for the filter and for the map. The computing time of a
         /// step grows with the number of beams.
         use_every_nth_beam: u32 = 1, in 1..=2048;
+        /// Difference in m/s between wheels and gyro, beyond their noise, above which the wheels
+        /// count as slipping.
+        slip_mps: f64 = 0.2, in 0.002..=10.0;
+    }
+    constants {
+        /// Factor by which the filter multiplies the noise of the sensors' data sheets. With less
+        /// it would be overconfident, with more it accepts too many beams.
+        caution: f64 = 1.2;
+        /// Squared distance of a beam from a line, in units of its variance, above which the beam
+        /// is rejected. 3 deviations by default.
+        gate: f64 = 9.0;
         /// Trust the position less where several beams of the last steps disagree with it.
         batch_check: bool = true;
         /// Trust the wheels less in a step in which a bumper closes.
         bump_inflation: bool = true;
         /// Deviation by which the bias of the gyro may change in a second, in rad/s. The deviation
         /// grows with the square root of the time. At 0 the filter does not follow a drifting gyro.
-        gyro_walk_radps: f64 = 0.0005, in 0.0..=0.1;
-        /// Difference in m/s between wheels and gyro, beyond their noise, above which the wheels
-        /// count as slipping.
-        slip_mps: f64 = 0.2, in 0.002..=10.0;
+        gyro_walk_radps: f64 = 0.0005;
         /// Time in s for which the floor is treated as slippery after wheel slip is detected.
-        slip_s: f64 = 2.0, in 0.0..=60.0;
+        slip_s: f64 = 2.0;
     }
 }

@@ -76,7 +76,8 @@ pub fn in_words<T: fmt::Display>(range: &RangeInclusive<T>) -> String {
 /// ```
 ///
 /// `also name;` after the section names a method `fn(&self) -> Result<(), OutOfRange>` for checks
-/// that ranges cannot express. The declaring crate needs `serde` with its derive macros.
+/// that ranges cannot express. `constants { name: type = value; }` after the struct adds fields that are no settings:
+/// no file can set them, and tests vary them as a control. The declaring crate needs `serde` with its derive macros.
 #[macro_export]
 macro_rules! settings {
     (
@@ -91,6 +92,12 @@ macro_rules! settings {
                 $field:ident: $type:ty = $default:expr $(, in $range:expr)?;
             )*
         }
+        $(constants {
+            $(
+                $(#[doc = $constant_doc:literal])*
+                $constant:ident: $constant_type:ty = $value:expr;
+            )*
+        })?
     ) => {
         $(#[doc = $about])*
         #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -102,11 +109,17 @@ macro_rules! settings {
                 $(#[serde($($serde)*)])?
                 pub $field: $type,
             )*
+            $($(
+                $(#[doc = $constant_doc])*
+                #[doc = concat!("\n\nA constant: `", stringify!($value), "`. Only tests vary it.")]
+                #[serde(skip)]
+                pub $constant: $constant_type,
+            )*)?
         }
 
         impl Default for $name {
             fn default() -> Self {
-                Self { $($field: $default,)* }
+                Self { $($field: $default,)* $($($constant: $value,)*)? }
             }
         }
 

@@ -12,6 +12,9 @@ use super::representation::Representation;
 use super::sets::{ActionSet, MatchSet};
 use crate::signal::Action;
 
+/// zeta: the fraction of the greatest value that a payoff must reach to count as the best.
+const ZETA: f64 = 0.99;
+
 impl<C: Representation> Xcs<C> {
     /// Enables the adaptive mapping.
     pub fn with_adaptive_mapping(mut self) -> Self {
@@ -36,7 +39,7 @@ impl<C: Representation> Xcs<C> {
         if !self.adapts {
             return;
         }
-        let needs = if is_best(payoff, greatest, self.params.zeta) {
+        let needs = if is_best(payoff, greatest) {
             1.0
         } else {
             self.actions as f64
@@ -85,8 +88,8 @@ impl<C: Representation> Xcs<C> {
 ///
 /// For values above 0 this is the paper's `payoff >= zeta * greatest`. For values below 0, that
 /// condition would require more than the greatest value, so the margin is subtracted instead.
-fn is_best(payoff: f64, greatest: f64, zeta: f64) -> bool {
-    payoff >= greatest - (1.0 - zeta) * greatest.abs()
+fn is_best(payoff: f64, greatest: f64) -> bool {
+    payoff >= greatest - (1.0 - ZETA) * greatest.abs()
 }
 
 #[cfg(test)]
@@ -164,7 +167,7 @@ mod tests {
 
     #[test]
     fn ties_are_best_on_either_side_of_zero() {
-        let judged = |payoff, greatest| is_best(payoff, greatest, 0.99);
+        let judged = |payoff, greatest| is_best(payoff, greatest);
         assert!(judged(99.0, 100.0) && !judged(98.9, 100.0));
         assert!(judged(0.0, 0.0) && !judged(-1.0, 0.0));
         assert!(judged(-100.0, -100.0) && judged(-101.0, -100.0) && !judged(-101.1, -100.0));

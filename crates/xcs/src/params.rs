@@ -84,9 +84,6 @@ settings! {
         delta: f64 = 0.1, in 0.0..=1.0;
         /// theta_sub: the experience above which a rule can subsume others.
         theta_sub: u32 = 20, in 0..=1_000_000;
-        /// zeta: the fraction of the greatest value that a payoff must reach to count as the best, for
-        /// `xcsam` (Nakata, Lanzi and Takadama 2012).
-        zeta: f64 = 0.99, in 0.0..=1.0;
         /// p_I: the prediction of a covering rule, in units of reward.
         initial_prediction: f64 = 0.0, in -1e6..=1e6;
         /// epsilon_I: the error of a covering rule, in units of reward.
@@ -149,7 +146,7 @@ mod tests {
 
     #[test]
     fn not_a_number_is_refused_in_every_field() {
-        let fields: [fn(&mut Params) -> &mut f64; 11] = [
+        let fields: [fn(&mut Params) -> &mut f64; 10] = [
             |p| &mut p.dont_care,
             |p| &mut p.beta,
             |p| &mut p.alpha,
@@ -157,7 +154,6 @@ mod tests {
             |p| &mut p.chi,
             |p| &mut p.mu,
             |p| &mut p.delta,
-            |p| &mut p.zeta,
             |p| &mut p.initial_prediction,
             |p| &mut p.initial_error,
             |p| &mut p.initial_fitness,

@@ -140,7 +140,7 @@ impl RobotProfile {
     }
 
     /// Returns `base` with this robot in place of its own. Settings that the profile does not name get their
-    /// defaults. The noise level, the floor friction, the localisation, the faults and the engine's shortcut stay.
+    /// defaults. The noise level, the localisation and the faults stay.
     ///
     /// # Errors
     /// When a setting is unknown or out of range.
@@ -154,8 +154,6 @@ fn without_robot(settings: &Settings) -> Settings {
     let own = &settings.physics;
     let physics = PhysicsParams {
         noise: own.noise,
-        shortcut: own.shortcut,
-        friction: own.friction,
         localisation: own.localisation,
         faults: own.faults.clone(),
         ..PhysicsParams::default()
@@ -262,21 +260,17 @@ mod tests {
     }
 
     #[test]
-    fn a_profile_replaces_the_whole_robot_and_leaves_noise_and_floor() {
+    fn a_profile_replaces_the_whole_robot_and_leaves_noise_and_rewards() {
         let [default, burger] =
             ["default", "turtlebot3-burger"].map(|name| RobotProfile::load(name).unwrap());
         let mut base = burger.settings_over(&Settings::default()).unwrap();
         assert_eq!(default.settings_over(&base).unwrap(), Settings::default());
         assert_ne!(base, Settings::default(), "control");
         base.physics.noise = 2.0;
-        base.physics.friction = 0.9;
         base.reward.goal = 7.0;
         let replaced = default.settings_over(&base).unwrap();
         let physics = &replaced.physics;
-        assert_eq!(
-            (physics.noise, physics.friction, replaced.reward.goal),
-            (2.0, 0.9, 7.0)
-        );
+        assert_eq!((physics.noise, replaced.reward.goal), (2.0, 7.0));
     }
 
     #[test]

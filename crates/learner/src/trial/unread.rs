@@ -72,7 +72,6 @@ fn reads(method: Method, key: &str) -> bool {
     let has_rules = method.learns_rules();
     let has_mechanisms = has_rules && !is_standard && !is_adapted;
     match key.split_once('.').unwrap_or((key, "")) {
-        ("xcs", "zeta") => method == Method::Xcsam,
         ("xcs", "rate_scope") => has_mechanisms,
         ("xcs", "value_over_match_set") => has_rules && method != Method::XcscrPlus,
         ("xcs", _) => has_rules,

@@ -95,7 +95,8 @@ settings! {
         theta_rs: f64 = -50.0, in -1e6..=0.0;
         /// theta_x: imprinting follows a failure with probability 1 - theta_x (Alg. 2, as printed).
         theta_x: f64 = 0.5, in 0.0..=1.0;
-        /// beta after a success (paper, section III-C).
+        /// beta after a success (paper, section III-C), and of Eq. 10, with which the step limit moves toward the length
+        /// of a success.
         beta_success: f64 = 0.2, in 1e-6..=1.0;
         /// beta after a failure (paper, section III-C).
         beta_failure: f64 = 0.05, in 1e-6..=1.0;
@@ -103,9 +104,6 @@ settings! {
         /// (section III-A) and learns punishments with 0.05 (section III-C). The paper learns
         /// everything else with 0.2.
         beta_collision: f64 = 0.2, in 1e-6..=1.0;
-        /// beta of Eq. 10, with which the step limit moves toward the length of a success. 0.2 is
-        /// the rate after a success.
-        beta_step_threshold: f64 = 0.2, in 1e-6..=1.0;
         /// Enable the short-term reward filter of `xcscr`.
         short_term_filter: bool = true;
         /// Enable imprinting in `xcscr`.

