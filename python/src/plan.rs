@@ -27,7 +27,7 @@ const OPTIONS: [(&str, &str); 14] = [
     ("`--arena grid`", "`arena=\"grid\"`"),
     ("`--set ", "`settings` "),
     (
-        "`xcscr config show --resolved` lists all",
+        "`xcscr config show` lists all",
         "the page \"Settings\" lists all",
     ),
     ("run the same command again", "make the same call again"),

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Subcommand;
-use xcscr::ErrorKind;
 use xcscr::agent::Method;
 use xcscr::trial::{Resolved, Settings};
 
@@ -16,7 +15,7 @@ use super::results::Results;
 /// Subcommands of `config`.
 #[derive(Debug, Subcommand)]
 pub enum ConfigCommand {
-    /// Print all settings as a file for --config, or each one with its origin.
+    /// Print all settings as a file for --config, each one with its origin.
     Show(ShowArgs),
 }
 
@@ -31,9 +30,6 @@ pub struct ShowArgs {
     /// Print the settings of this method: defaults belong to a method.
     #[arg(long, value_name = "METHOD", default_value = Method::XcscrPlus.name(), value_parser = choices::method())]
     method: Method,
-    /// Print each setting on its own line, with its origin.
-    #[arg(long)]
-    resolved: bool,
     /// Print one JSON document: each setting with its value, origin, range and description.
     #[arg(long)]
     json: bool,
@@ -56,21 +52,13 @@ pub fn run(command: &ConfigCommand, out: &mut Results) -> Result<(), Failure> {
         Some(world) => resolved.in_maze(&choices::world(world)?),
         None => resolved,
     };
-    match (args.json, args.resolved) {
-        (true, _) => print_entries(&resolved, out),
-        (_, true) => print_origins(&resolved, out),
-        _ => Ok(write!(out, "{}", as_file(&resolved)?)?),
+    match args.json {
+        true => print_entries(&resolved, out),
+        false => print_origins(&resolved, out),
     }
 }
 
-/// Formats all settings as a settings file.
-fn as_file(resolved: &Resolved) -> Result<String, Failure> {
-    toml::to_string(&resolved.settings).map_err(|fault| {
-        let message = format!("no TOML for settings: {fault}");
-        Failure::new(ErrorKind::Internal, message)
-    })
-}
-
+/// Prints a settings file with dotted keys and the origins as comments.
 fn print_origins(resolved: &Resolved, out: &mut Results) -> Result<(), Failure> {
     for (key, value, origin) in resolved.entries() {
         writeln!(out, "{key:34} = {value:<12} # {origin}")?;

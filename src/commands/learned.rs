@@ -53,11 +53,6 @@ impl LearnedArgs {
         self.run.is_dir()
     }
 
-    /// Returns true if the run is unchanged, so that repeating it gives the same result.
-    pub fn can_be_repeated(&self) -> bool {
-        self.is_a_run() && self.world.is_none() && self.sensor.is_none()
-    }
-
     /// Returns the plan of the run and what was learned. A file of rules does not name its arena:
     /// then the arena is `arena`, or physics by default.
     pub fn load(&self, arena: Option<ArenaKind>) -> Result<(Plan, Knowledge), Failure> {

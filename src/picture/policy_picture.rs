@@ -61,7 +61,7 @@ impl PolicyPicture {
     ) -> Result<Self, Error> {
         check_size(
             &plan.maze,
-            "; `xcscr rules RUN --cell COL,ROW` shows what was learned in one cell",
+            "; `xcscr rules RUN --why COL,ROW` shows what was learned in one cell",
         )?;
         let episodes = plan.config.episodes;
         let last = after.unwrap_or(episodes);
@@ -170,7 +170,7 @@ mod tests {
         let plan = Plan::new(hall(4096, 257)).episodes(1);
         let refused = drawn(plan).err();
         let refused = refused.expect("it has too many cells").to_string();
-        for part in ["hall has 1052672 cells", "xcscr rules RUN --cell COL,ROW"] {
+        for part in ["hall has 1052672 cells", "xcscr rules RUN --why COL,ROW"] {
             assert!(refused.contains(part), "{refused}");
         }
     }

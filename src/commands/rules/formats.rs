@@ -1,32 +1,29 @@
 //! Output formats of rules: text for a terminal, rules.json, and CSV.
 
 use xcscr::ErrorKind;
+use xcscr::agent::Knowledge;
 use xcscr::page::Table;
+use xcscr::trial::{Compacted, Plan};
 use xcscr::xcs::{Classifier, Population};
 
-use super::Shown;
 use super::listing::{COLUMNS, Row};
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
 use crate::commands::results::Results;
 
 /// Prints the rules for a terminal.
-pub fn text(shown: &Shown<'_>, out: &mut Results) -> Result<(), Failure> {
-    writeln!(out, "{}", headline(shown))?;
-    if let Some(percept) = &shown.here {
-        writeln!(out, "  where the percept is {percept}")?;
-    }
-    writeln!(out, "\n{}", table(&shown.rows).text().trim_end())?;
+pub fn text(headline: &str, rows: &[Row], out: &mut Results) -> Result<(), Failure> {
+    writeln!(out, "{headline}\n\n{}", table(rows).text().trim_end())?;
     Ok(())
 }
 
-/// Prints a rules.json file.
-pub fn json(shown: &Shown<'_>, out: &mut Results) -> Result<(), Failure> {
-    let rules: Vec<Classifier> = shown.rows.iter().map(|row| row.rule).collect();
+/// Prints a rules.json file: the knowledge with these rules.
+pub fn json(rows: &[Row], knowledge: &Knowledge, out: &mut Results) -> Result<(), Failure> {
+    let rules: Vec<Classifier> = rows.iter().map(|row| row.rule).collect();
     let rules: Population = rules
         .try_into()
         .expect("some rules of a population form one");
-    print_json(&shown.knowledge.with_rules(rules), out)
+    print_json(&knowledge.with_rules(rules), out)
 }
 
 /// Prints a CSV table.
@@ -49,12 +46,10 @@ fn csv_table(rows: Vec<Row>) -> Result<Vec<u8>, csv::Error> {
     Ok(table.into_inner().map_err(|fault| fault.into_error())?)
 }
 
-/// Describes the list of rules in one or two lines.
-fn headline(shown: &Shown<'_>) -> String {
-    let plan = shown.plan;
+/// Describes the list of rules, of which there are `all` in \[P\], in one or two lines.
+pub fn headline(plan: &Plan, all: usize, compacted: Option<&Compacted>) -> String {
     let (world, sensor) = (plan.maze.name(), plan.config.sensor.name());
-    let all = shown.knowledge.len();
-    let Some(compacted) = shown.compacted else {
+    let Some(compacted) = compacted else {
         return format!("{world}, {sensor}: {all} rules");
     };
     let optimal = if compacted.optimal { "" } else { "not " };

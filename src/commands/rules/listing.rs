@@ -2,26 +2,11 @@
 
 use std::cmp::Reverse;
 
-use clap::ValueEnum;
 use serde::Serialize;
 use xcscr::agent::Knowledge;
 use xcscr::sensor::Perception;
 use xcscr::trial::Plan;
-use xcscr::xcs::{Action, Classifier, Condition, Percept};
-
-/// The sort order of rules.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum Order {
-    /// The number of the world's percepts that the rule matches. With earlier steps in the percept: of those that the
-    /// greedy policy meets.
-    Covers,
-    Action,
-    Value,
-    Error,
-    Fitness,
-    Numerosity,
-    Experience,
-}
+use xcscr::xcs::{Action, Classifier, Condition};
 
 /// The columns of a [`Row`] in a file.
 pub const COLUMNS: [&str; 10] = [
@@ -55,13 +40,9 @@ pub struct Row {
     pub rule: Classifier,
 }
 
-/// Returns the rules that match a percept, or all rules, in the given order.
-pub fn rows(
-    rules: &[Classifier],
-    (plan, knowledge): (&Plan, &Knowledge),
-    here: Option<&Percept>,
-    by: Order,
-) -> Vec<Row> {
+/// Returns the rules in words. Those that match the most percepts of the world come first; with earlier steps in the
+/// percept, those that the greedy policy meets.
+pub fn rows(rules: &[Classifier], plan: &Plan, knowledge: &Knowledge) -> Vec<Row> {
     let Plan { maze, config } = plan;
     let percepts = match config.perception() {
         // Rules of a learner with a model also match where it has no decision.
@@ -69,7 +50,6 @@ pub fn rows(
         perception => knowledge.decided(perception, maze, usize::MAX),
     };
     let percepts = percepts.expect("the number is not limited");
-    let matches = |rule: &&Classifier| here.is_none_or(|percept| rule.condition.matches(percept));
     let row = |rule: &Classifier| Row {
         condition: rule.condition,
         action: rule.action,
@@ -86,15 +66,7 @@ pub fn rows(
         experience: rule.experience,
         rule: *rule,
     };
-    let mut rows: Vec<Row> = rules.iter().filter(matches).map(row).collect();
-    match by {
-        Order::Covers => rows.sort_by_key(|row| Reverse(row.covers)),
-        Order::Action => rows.sort_by_key(|row| row.action),
-        Order::Value => rows.sort_by(|a, b| b.prediction.total_cmp(&a.prediction)),
-        Order::Error => rows.sort_by(|a, b| a.error.total_cmp(&b.error)),
-        Order::Fitness => rows.sort_by(|a, b| b.fitness.total_cmp(&a.fitness)),
-        Order::Numerosity => rows.sort_by_key(|row| Reverse(row.numerosity)),
-        Order::Experience => rows.sort_by_key(|row| Reverse(row.experience)),
-    }
+    let mut rows: Vec<Row> = rules.iter().map(row).collect();
+    rows.sort_by_key(|row| Reverse(row.covers));
     rows
 }

@@ -5,12 +5,8 @@ mod listing;
 mod why;
 
 use xcscr::ErrorKind;
-use xcscr::agent::Knowledge;
 use xcscr::trial::{Compacted, Plan};
-use xcscr::world::{Cell, Paths};
-use xcscr::xcs::{Percept, Population};
-
-use listing::Order;
+use xcscr::world::{Cell, Maze, Paths};
 
 use super::failure::Failure;
 use super::learned::LearnedArgs;
@@ -21,16 +17,10 @@ use super::results::Results;
 pub struct RulesArgs {
     #[command(flatten)]
     learned: LearnedArgs,
-    /// Print only the rules that match the percept in this cell.
-    #[arg(long, value_name = "COL,ROW", value_parser = cell)]
-    cell: Option<Cell>,
-    /// Explain the choice in this cell: the rules that match, the changes of the percept that
-    /// would change the choice, and the episodes that shaped the strongest rule.
-    #[arg(long, value_name = "COL,ROW", value_parser = cell, conflicts_with_all = ["cell", "all", "json", "csv"])]
+    /// Explain the choice in this cell: the rules that match, and the changes of the percept that would change the
+    /// choice.
+    #[arg(long, value_name = "COL,ROW", value_parser = cell, conflicts_with_all = ["all", "json", "csv"])]
     why: Option<Cell>,
-    /// Sort the rules by this column: largest first, except error and action.
-    #[arg(long, value_name = "BY", default_value = "covers")]
-    sort: Order,
     /// Print all rules of the population, not only the fewest that keep all decisions.
     #[arg(long)]
     all: bool,
@@ -55,85 +45,44 @@ fn cell(text: &str) -> Result<Cell, String> {
 
 /// Prints the rules.
 pub fn run(args: &RulesArgs, out: &mut Results) -> Result<(), Failure> {
-    let (plan, knowledge) = load(&args.learned)?;
-    if let Some(cell) = args.why {
-        perceived(&plan, cell)?;
-        if plan.maze.is_goal(cell) {
-            let message = format!("{},{} is a goal: an episode ends there", cell.col, cell.row);
-            return Err(Failure::new(ErrorKind::Usage, message));
-        }
-        let few = knowledge.with_fewest_rules(plan.config.perception(), &plan.maze);
-        return why::print((&plan, &few), cell, args.learned.can_be_repeated(), out);
-    }
-    let here = args.cell.map(|cell| perceived(&plan, cell)).transpose()?;
-    let compacted = if args.all {
-        None
-    } else {
-        compact(&knowledge, &plan)
-    };
-    let all = knowledge.rules().map_or(&[][..], Population::rules);
-    let rules = compacted
-        .as_ref()
-        .map_or(all, |compacted| compacted.rules.rules());
-    let shown = Shown {
-        rows: listing::rows(rules, (&plan, &knowledge), here.as_ref(), args.sort),
-        plan: &plan,
-        knowledge: &knowledge,
-        compacted: compacted.as_ref(),
-        here,
-    };
-    match (args.json, args.csv) {
-        (true, _) => formats::json(&shown, out),
-        (_, true) => formats::csv(shown.rows, out),
-        _ => formats::text(&shown, out),
-    }
-}
-
-/// The content to print.
-struct Shown<'a> {
-    plan: &'a Plan,
-    knowledge: &'a Knowledge,
-    compacted: Option<&'a Compacted>,
-    /// The percept that the rules must match, if any.
-    here: Option<Percept>,
-    rows: Vec<listing::Row>,
-}
-
-/// Loads rules that fit the world of the plan.
-fn load(learned: &LearnedArgs) -> Result<(Plan, Knowledge), Failure> {
-    let (plan, knowledge) = learned.load(None)?;
-    checked(&plan, &knowledge)?;
-    Ok((plan, knowledge))
-}
-
-/// Accepts only rules that fit the world of the plan.
-fn checked(plan: &Plan, knowledge: &Knowledge) -> Result<(), Failure> {
-    let Plan { maze, config } = plan;
+    let (plan, knowledge) = args.learned.load(None)?;
+    let Plan { maze, config } = &plan;
     knowledge.check(config.perception(), maze)?;
-    let message = match knowledge {
-        _ if knowledge.rules().is_some() => return Ok(()),
-        _ => "what was learned is a table of a tabular method; it has no rules",
+    let Some(all) = knowledge.rules() else {
+        let message = "what was learned is a table of a tabular method; it has no rules";
+        return Err(Failure::new(ErrorKind::BadData, message));
     };
-    Err(Failure::new(ErrorKind::BadData, message))
-}
-
-/// Returns the fewest rules that keep all decisions; `None` if the world has too many percepts.
-fn compact(knowledge: &Knowledge, plan: &Plan) -> Option<Compacted> {
-    let Plan { maze, config } = plan;
-    let paths = Paths::with_slip(maze, config.settings.arena.slip);
-    Compacted::new(knowledge, config.perception(), maze, &paths)
-}
-
-fn perceived(plan: &Plan, cell: Cell) -> Result<Percept, Failure> {
-    let Plan { maze, config } = plan;
-    if maze.is_wall(cell) {
-        let message = format!(
-            "there is no free cell {},{} in {}",
-            cell.col,
-            cell.row,
-            maze.name()
-        );
-        return Err(Failure::new(ErrorKind::Usage, message));
+    if let Some(cell) = args.why {
+        require_decision(maze, cell)?;
+        let few = knowledge.with_fewest_rules(config.perception(), maze);
+        return why::print(&plan, &few, cell, out);
     }
-    Ok(config.perception().at(maze, cell))
+    let compacted = match args.all {
+        true => None,
+        false => {
+            let paths = Paths::with_slip(maze, config.settings.arena.slip);
+            Compacted::new(&knowledge, config.perception(), maze, &paths)
+        }
+    };
+    let shown = compacted.as_ref().map_or(all, |few| &few.rules);
+    let rows = listing::rows(shown.rules(), &plan, &knowledge);
+    match (args.json, args.csv) {
+        (true, _) => formats::json(&rows, &knowledge, out),
+        (_, true) => formats::csv(rows, out),
+        _ => {
+            let headline = formats::headline(&plan, all.len(), compacted.as_ref());
+            formats::text(&headline, &rows, out)
+        }
+    }
+}
+
+/// Requires a cell in which the robot decides: a free one that is not a goal.
+fn require_decision(maze: &Maze, cell: Cell) -> Result<(), Failure> {
+    let Cell { col, row } = cell;
+    let message = match maze.is_wall(cell) {
+        true => format!("there is no free cell {col},{row} in {}", maze.name()),
+        false if maze.is_goal(cell) => format!("{col},{row} is a goal: an episode ends there"),
+        false => return Ok(()),
+    };
+    Err(Failure::new(ErrorKind::Usage, message))
 }

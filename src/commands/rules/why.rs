@@ -1,8 +1,7 @@
 //! `xcscr rules --why`: explains the choice in a cell.
 
-use xcscr::episode::Ending;
 use xcscr::page::Table;
-use xcscr::trial::{Change, Plan, RuleHistory, WeightedRule, Why};
+use xcscr::trial::{Change, Plan, WeightedRule, Why};
 use xcscr::world::Cell;
 use xcscr::xcs::{Action, Classifier};
 
@@ -13,15 +12,12 @@ use xcscr::agent::Knowledge;
 
 /// The most rules that are shown for one action.
 const MOST_VOTES: usize = 5;
-/// The most episodes that are shown of a rule's history.
-const MOST_EXAMPLES: usize = 5;
 
-/// Prints the explanation. `is_run` is true if the run can be repeated, so that the history of the
-/// rule is available.
+/// Prints the explanation.
 pub fn print(
-    (plan, knowledge): (&Plan, &Knowledge),
+    plan: &Plan,
+    knowledge: &Knowledge,
     cell: Cell,
-    is_run: bool,
     out: &mut Results,
 ) -> Result<(), Failure> {
     let Plan { maze, config } = plan;
@@ -38,11 +34,7 @@ pub fn print(
     write_words(out, &format!("  perceives   {perceived}"))?;
     write_words(out, &format!("  goes        {}", choice(plan, &why)))?;
     print_votes(plan, &why, out)?;
-    print_changes(&why, plan, out)?;
-    match why.decisive() {
-        Some(rule) if is_run => print_history(rule, plan, out),
-        _ => Ok(()),
-    }
+    print_changes(&why, plan, out)
 }
 
 /// Formats the best actions, and the value of each action.
@@ -128,38 +120,6 @@ fn print_changes(why: &Why, plan: &Plan, out: &mut Results) -> Result<(), Failur
         )?),
         false => Ok(()),
     }
-}
-
-fn print_history(rule: &Classifier, plan: &Plan, out: &mut Results) -> Result<(), Failure> {
-    let words = words(rule, plan);
-    let name = plan.maze.action_name(rule.action);
-    let Some(history) = RuleHistory::of(plan, rule.condition, rule.action)? else {
-        return Ok(());
-    };
-    let RuleHistory { since, changes } = history;
-    let line = format!("\n\"{words}: {name}\" has been among the rules since episode {since}.");
-    write_words(out, &line)?;
-    let mut most = changes;
-    most.sort_by(|a, b| b.moved().total_cmp(&a.moved()));
-    most.truncate(MOST_EXAMPLES);
-    most.sort_by_key(|change| change.episode.episode);
-    writeln!(out, "The episodes that changed it most:")?;
-    for change in most {
-        let (episode, steps) = (change.episode.episode, change.episode.steps);
-        let ending = match change.episode.ending {
-            Ending::Goal => "goal",
-            Ending::StepLimit => "step limit",
-        };
-        let after = change.after;
-        let before = change
-            .before
-            .map_or("new".to_owned(), |values| format!("{values:.1}"));
-        writeln!(
-            out,
-            "  episode {episode:<5} value {before} -> {after:.1}   ({ending} after {steps} steps)"
-        )?;
-    }
-    Ok(())
 }
 
 /// Describes the demands of a rule in words.

@@ -327,7 +327,7 @@ mod tests {
         }
         assert_eq!(
             message(Some("[foo]\nq = 1"), &[]),
-            "run.toml: there is no setting `foo.q`; `xcscr config show --resolved` lists all"
+            "run.toml: there is no setting `foo.q`; `xcscr config show` lists all"
         );
     }
 

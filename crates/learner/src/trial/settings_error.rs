@@ -78,7 +78,7 @@ pub enum SettingsError {
 }
 
 fn did_you_mean(suggestion: &Option<String>) -> String {
-    let hint = "; `xcscr config show --resolved` lists all".to_owned();
+    let hint = "; `xcscr config show` lists all".to_owned();
     suggestion
         .as_ref()
         .map_or(hint, |key| format!("; did you mean `{key}`?"))

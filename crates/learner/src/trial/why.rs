@@ -56,11 +56,6 @@ impl Why {
             values,
         }
     }
-
-    /// Returns the decisive rule: the rule of a best action with the greatest share.
-    pub fn decisive(&self) -> Option<&Classifier> {
-        self.votes.first().map(|vote| &vote.rule)
-    }
 }
 
 /// Returns the rules that match a percept, with their shares.
