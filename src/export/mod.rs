@@ -10,7 +10,6 @@
 mod model;
 mod policy;
 mod provenance;
-mod rays;
 mod templates;
 
 use model::{Model, Source};

@@ -5,7 +5,6 @@ use serde::Serialize;
 use super::Provenance;
 use super::policy::{Policy, Size};
 use super::provenance::{Facts, Robot};
-use super::rays::{self, Ray};
 use crate::disk;
 use crate::world::{Cell, Direction, Maze};
 use xcs::{Action, Condition};
@@ -93,7 +92,9 @@ pub(super) struct Source<'a> {
     clear_radius_m: Option<f64>,
     robot: Option<Robot>,
     assumed_ranges_m: [f64; 2],
-    scan: Option<Scan>,
+    /// True if a scan shows the percept.
+    shows_scan: bool,
+    scan_reach: usize,
 }
 
 /// Column and row of the start and of each goal.
@@ -118,6 +119,9 @@ struct PerceptBits {
     row_bits: usize,
 }
 
+/// The cells that a scan covers in each direction: those next to the robot, after a move by one cell and a jump of the
+/// estimate by another.
+const SCAN_REACH: usize = 3;
 /// Up to here, a float of 32 bits is exact to 4 mm.
 const MOST_IN_32_BITS_M: f64 = 65_536.0;
 
@@ -134,13 +138,6 @@ struct Grid {
     origin_sine: f64,
     /// True if 32 bits do not hold coordinates of the map frame to the centimetre.
     is_far: bool,
-}
-
-/// What a scan of the lidar covers, and the rays of cells that a percept shows.
-#[derive(Serialize)]
-struct Scan {
-    reach: usize,
-    rays: Vec<Ray>,
 }
 
 impl<'a> Source<'a> {
@@ -165,7 +162,8 @@ impl<'a> Source<'a> {
             clear_radius_m: provenance.maze.clear_radius_m(),
             robot: provenance.robot,
             assumed_ranges_m: provenance.assumed_ranges_m,
-            scan: Scan::new(provenance),
+            shows_scan: provenance.sensor.is_sensed(),
+            scan_reach: SCAN_REACH,
         }
     }
 }
@@ -237,17 +235,6 @@ fn open_moves(maze: &Maze) -> Option<Vec<Vec<u8>>> {
     };
     maze.is_from_map()
         .then(|| (0..maze.height()).map(row).collect())
-}
-
-impl Scan {
-    /// Returns `None` for a percept that no scan shows.
-    fn new(provenance: &Provenance) -> Option<Self> {
-        let rays = rays::shown_by(provenance.sensor);
-        Some(Self {
-            reach: rays.iter().map(Ray::reach).max()?,
-            rays,
-        })
-    }
 }
 
 /// Returns the bits that a condition demands, with `#` for all others.

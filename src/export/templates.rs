@@ -20,7 +20,7 @@ macro_rules! files {
 }
 
 /// The source files that templates include.
-const FILES: [(&str, &str); 29] = files![
+const FILES: [(&str, &str); 27] = files![
     "percept.h",
     "masks.h",
     "ranges.h",
@@ -31,8 +31,7 @@ const FILES: [(&str, &str); 29] = files![
     "bits.h",
     "from_map.h",
     "layers.h",
-    "layers_rays.h",
-    "layers_neighbours.h",
+    "layers_ring.h",
     "layers_percept.h",
     "neighbours.h",
     "lidar.h",
@@ -45,8 +44,7 @@ const FILES: [(&str, &str); 29] = files![
     "bits.py",
     "from_map.py",
     "layers.py",
-    "layers_rays.py",
-    "layers_neighbours.py",
+    "layers_ring.py",
     "neighbours.py",
     "lidar.py",
     "scan.py",

@@ -80,7 +80,7 @@ fn add_to_digest(arena: &PhysicsArena, hash: &mut FnvHasher) {
         mix(hit.time_ns, &numbers);
     }
     if let Some(sensed) = view.sensed {
-        let seen = Sensor::LidarBeams.perceive(&view);
+        let seen = Sensor::Lidar.perceive(&view);
         let text = format!("{:?} {:?} {seen:?}", sensed.estimates, sensed.beams);
         hash.write(text.as_bytes());
     }

@@ -357,6 +357,6 @@ fn shown(arena: &PhysicsArena) -> String {
         view.trace,
         sensed.estimates,
         sensed.beams,
-        Sensor::LidarBeams.perceive(&view)
+        Sensor::Lidar.perceive(&view)
     )
 }

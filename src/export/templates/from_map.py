@@ -1,3 +1,7 @@
+# East and north of the eight directions, clockwise from north.
+CLOCKWISE = [(0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)]
+
+
 def percept_from_map(column, row, look_up):
     """The percept of a robot in the middle of a cell; look_up(column, row) returns FREE, WALL or GOAL for a
     cell of the grid."""

@@ -151,11 +151,9 @@ struct xcscr_place {
     const struct xcscr_scan *scan;
 };
 
-/* Returns 1 if a step is open from the cell so many cells to the east and to the north. */
-static inline int xcscr_passes(const struct xcscr_place *place, const int from[2], const int8_t step[2])
+/* Returns 1 if a step is open from the cell. */
+static inline int xcscr_passes(const struct xcscr_place *place, const int8_t step[2])
 {
-    const int is_here = from[0] == 0 && from[1] == 0;
-
-    return xcscr_is_open(place->column + from[0], place->row - from[1], step[0], step[1])
-           && !(is_here && place->scan && xcscr_scan_is_blocked(place->scan, step[0], step[1]));
+    return xcscr_is_open(place->column, place->row, step[0], step[1])
+           && !(place->scan && xcscr_scan_is_blocked(place->scan, step[0], step[1]));
 }

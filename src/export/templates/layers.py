@@ -82,22 +82,21 @@ class Scan:
         """The actions that the scan shows to be open."""
         column, row = self.cell
         steps = STEPS[:: 8 // len(ACTIONS)]
-        return [at for at, step in enumerate(steps) if passes(column, row, self, (0, 0), step)]
+        return [at for at, step in enumerate(steps) if passes(column, row, self, step)]
 
     def percept(self):
         """The percept of the robot."""
         return percept_of_cell(*self.cell, self)
 
 
-def passes(column, row, scan, at, step):
-    """Is a step open, from the cell so many cells to the east and to the north of the robot?"""
-    blocked = at == (0, 0) and scan is not None and scan.is_blocked(step)
-    return is_open(column + at[0], row - at[1], step) and not blocked
+def passes(column, row, scan, step):
+    """Is a step open from a cell?"""
+    return is_open(column, row, step) and not (scan is not None and scan.is_blocked(step))
 
 
 def percept_of_cell(column, row, scan=None):
     """The percept of a robot in the middle of a cell; without a scan, that of the map."""
-    return as_percept(ring(lambda at, step: passes(column, row, scan, at, step), column, row), column, row)
+    return as_percept(ring(lambda step: passes(column, row, scan, step), column, row), column, row)
 
 
 def percept(x_m, y_m, scan=None):

@@ -33,7 +33,6 @@ static inline int xcscr_scan_percept(const struct xcscr_scan *scan, xcscr_word *
 static inline uint16_t xcscr_open_actions(const struct xcscr_scan *scan)
 {
     static const int8_t steps[8][2] = {{0, 1}, {1, 1}, {1, 0}, {1, -1}, {0, -1}, {-1, -1}, {-1, 0}, {-1, 1}};
-    const int here[2] = {0, 0};
     struct xcscr_place place;
     uint16_t open = 0;
     int action;
@@ -42,7 +41,7 @@ static inline uint16_t xcscr_open_actions(const struct xcscr_scan *scan)
     place.row = scan->row;
     place.scan = scan;
     for (action = 0; action < XCSCR_ACTIONS; action++) {
-        if (xcscr_passes(&place, here, steps[8 / XCSCR_ACTIONS * action])) {
+        if (xcscr_passes(&place, steps[8 / XCSCR_ACTIONS * action])) {
             open = (uint16_t)(open | 1u << action);
         }
     }

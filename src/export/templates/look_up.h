@@ -30,3 +30,14 @@ static inline uint8_t xcscr_state_at(const struct xcscr_map *map, int east, int 
     }
     return map->look_up(map->user, (uint16_t)column, (uint16_t)row);
 }
+
+/* East and north of the eight directions, clockwise from north. */
+static inline int xcscr_east_of(int direction)
+{
+    return direction % 4 == 0 ? 0 : direction < 4 ? 1 : -1;
+}
+
+static inline int xcscr_north_of(int direction)
+{
+    return direction % 4 == 2 ? 0 : direction < 2 || direction > 6 ? 1 : -1;
+}

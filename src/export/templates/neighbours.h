@@ -1,14 +1,3 @@
-/* East and north of the eight directions, clockwise from north. */
-static inline int xcscr_east_of(int direction)
-{
-    return direction % 4 == 0 ? 0 : direction < 4 ? 1 : -1;
-}
-
-static inline int xcscr_north_of(int direction)
-{
-    return direction % 4 == 2 ? 0 : direction < 2 || direction > 6 ? 1 : -1;
-}
-
 /* The cells around the robot, clockwise from north: free 00, wall 01, goal 11. */
 static inline void xcscr_set_ring_from_map(xcscr_word *percept, const struct xcscr_map *map)
 {

@@ -1,7 +1,3 @@
-# East and north of the eight directions, clockwise from north.
-CLOCKWISE = [(0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)]
-
-
 def ring_from_map(state):
     """The cells around the robot, clockwise from north: free 00, wall 01, goal 11."""
     states = [state(east, north) for east, north in CLOCKWISE[: RING_BITS // 2]]

@@ -42,7 +42,9 @@ int main(void)
         int beam, is_inside;
         is_inside = xcscr_percept(x, y, 0, percept);
         show(percept);
-        is_inside = is_inside && xcscr_scan_begin(&scan, x, y, 0.0, 1.0);
+        if (!xcscr_scan_begin(&scan, x, y, 0.0, 1.0)) {
+            return 1;
+        }
         for (beam = -10; beam <= 10; beam++) {
             xcscr_scan_add(&scan, beam * 0.01, -1.0, 0.4 * XCSCR_CELL_SIZE_M);
         }
@@ -107,7 +109,6 @@ fn exported_percepts_are_those_of_the_map_and_of_obstacles_in_a_scan() {
     let maze = Flat::new().gridded(0.5).maze;
     for (target, sensor) in [
         (Target::C99, Sensor::LidarPosition),
-        (Target::C99, Sensor::LidarBeams),
         (Target::C99, Sensor::NeighboursPosition),
         (Target::Python, Sensor::LidarPosition),
         (Target::Python, Sensor::NeighboursPosition),

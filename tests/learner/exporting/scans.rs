@@ -14,12 +14,7 @@ use super::program::{LANGUAGES, Program, Questions};
 use crate::kit::trial::maze;
 
 /// Sensors of which a scan shows the percept.
-const SCANNING: [Sensor; 4] = [
-    Sensor::Lidar,
-    Sensor::LidarRanges,
-    Sensor::LidarBeams,
-    Sensor::LidarPosition,
-];
+const SCANNING: [Sensor; 2] = [Sensor::Lidar, Sensor::LidarPosition];
 
 /// A pose as exported code takes it, shifted in the grid frame, and brought to the map frame.
 fn pose(isometry: &Isometry2<f64>, origin: [f64; 3], shift_m: f64) -> [f64; 4] {
@@ -56,7 +51,7 @@ fn in_python_a_whole_scan_at_rest_shows_what_a_perfect_lidar_shows() {
             let pose = [at_m.x, at_m.y, heading_rad];
             questions.say('w', &[&pose[..], &ranges_m].concat());
         }
-        for sensor in [Sensor::Lidar, Sensor::LidarRanges, Sensor::LidarPosition] {
+        for sensor in SCANNING {
             let found = seen(&questions, Target::Python, &maze, sensor);
             let wanted = maze
                 .free_cells()
@@ -106,7 +101,7 @@ struct Step {
     beams: Vec<Beam>,
     /// By which scale the robot corrects its ranges.
     scale: f64,
-    perceived: [String; 4],
+    perceived: [String; 2],
 }
 
 impl<'a> Drive<'a> {
@@ -204,7 +199,7 @@ impl<'a> Drive<'a> {
     }
 
     /// What every sensor perceives now.
-    fn perceived(&self) -> [String; 4] {
+    fn perceived(&self) -> [String; 2] {
         let [east, north] = self.onboard.cell();
         let (width, height) = (i32::from(self.maze.width()), i32::from(self.maze.height()));
         let cell = Cell {
@@ -321,7 +316,7 @@ fn the_same_beams_from_the_same_poses_give_the_same_percept_bit_for_bit() {
     assert_eq!(small.cell_size_m(), 0.25);
     // In small cells some beams hit what is too near.
     let nearest = [("NEAREST_M 0.12", "NEAREST_M 0.0")];
-    compare_with_exports(&small, 520, &[Sensor::LidarBeams], &nearest);
+    compare_with_exports(&small, 520, &[Sensor::Lidar], &nearest);
     let controls = [
         ("FREE 30", "FREE 60"),
         ("HIT 20", "HIT 10"),
@@ -353,7 +348,7 @@ fn compare_with_exports(
             assert!(found.iter().eq(wanted.iter().copied()), "{name}");
         }
     }
-    let policy = exported(Target::C99, maze, Sensor::LidarBeams, ArenaKind::Physics);
+    let policy = exported(Target::C99, maze, Sensor::Lidar, ArenaKind::Physics);
     let answers = |policy: &str| Program::new(Target::C99, policy).answers(&questions);
     let right = answers(&policy);
     for (constant, other) in controls {

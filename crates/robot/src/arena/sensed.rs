@@ -3,7 +3,7 @@
 use nalgebra::{Isometry2, Matrix3, UnitComplex, Vector2};
 use xcscr_sensing::{Obstacles, Surroundings};
 
-use crate::world::{Cell, Maze};
+use crate::world::{Cell, Direction, Maze};
 
 /// The estimated pose of the robot, and its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,11 +82,11 @@ pub struct Sensed<'a> {
 const NARROWER: f64 = 0.5;
 
 impl LocalMap<'_> {
-    /// Returns true if an obstacle that is not in the map bars a move from the estimated cell, by a
-    /// step to the east and to the north.
-    pub fn is_blocked(&self, maze: &Maze, step: [i32; 2]) -> bool {
+    /// Returns true if an obstacle that is not in the map bars a move from the estimated cell.
+    pub fn is_blocked(&self, maze: &Maze, direction: Direction) -> bool {
+        let (east, south) = direction.offset();
         let from = maze.centre_in_grid(self.cell).coords;
-        let way = Vector2::from(step.map(f64::from)) * maze.cell_size_m();
+        let way = Vector2::new(east.into(), (-south).into()) * maze.cell_size_m();
         let half_width_m = NARROWER * maze.clear_radius_m().unwrap_or(0.0);
         self.obstacles.are_on_path([from, from + way], half_width_m)
     }

@@ -26,7 +26,7 @@ use strum::{IntoStaticStr, VariantArray};
 pub use words::{ANYTHING, Alleles, Demands};
 
 use crate::arena::{ArenaKind, LocalMap, View};
-use crate::world::{Cell, Maze, Paths};
+use crate::world::{Cell, Direction, Maze, Paths};
 use xcs::{Layout, Percept};
 
 /// The sensor types.
@@ -46,10 +46,6 @@ pub enum Sensor {
     /// The eight surrounding cells as a lidar shows them: two bits each, free `00`, wall or hidden
     /// `01`. A lidar sees no goal.
     Lidar,
-    /// The number of free cells in each main direction, up to three, and the diagonal cells.
-    LidarRanges,
-    /// Sixteen beams: the number of free cells that each passes through, up to seven.
-    LidarBeams,
     /// The eight surrounding cells as a lidar shows them, then column and row of the robot's
     /// estimated cell. The robot is given its start cell, and tracks its position with its sensors.
     LidarPosition,
@@ -103,7 +99,7 @@ impl Sensor {
     pub fn is_sensed(self) -> bool {
         match self {
             Self::Neighbours | Self::Position | Self::NeighboursPosition => false,
-            Self::Lidar | Self::LidarRanges | Self::LidarBeams | Self::LidarPosition => true,
+            Self::Lidar | Self::LidarPosition => true,
         }
     }
 
@@ -114,8 +110,6 @@ impl Sensor {
             Self::Position => position::width(maze),
             Self::NeighboursPosition => neighbours::WIDTH + position::width(maze),
             Self::Lidar => lidar::AROUND,
-            Self::LidarRanges => lidar::RANGES,
-            Self::LidarBeams => lidar::BEAMS,
             Self::LidarPosition => lidar::AROUND + position::width(maze),
         }
     }
@@ -125,7 +119,7 @@ impl Sensor {
     pub fn place_bits(self, maze: &Maze) -> [usize; 2] {
         let of_column = position::col_width(maze);
         match self {
-            Self::Neighbours | Self::Lidar | Self::LidarRanges | Self::LidarBeams => [0; 2],
+            Self::Neighbours | Self::Lidar => [0; 2],
             Self::Position | Self::NeighboursPosition | Self::LidarPosition => {
                 [of_column, position::width(maze) - of_column]
             }
@@ -144,14 +138,10 @@ impl Sensor {
     /// direction of the first of `moves` moves. Returns 0 without a ring, or if it has no equal
     /// part for each move.
     pub fn ring(self, moves: usize) -> usize {
-        let [parts, bits] = match self {
-            Self::Neighbours | Self::NeighboursPosition => [8, neighbours::WIDTH],
-            Self::Lidar | Self::LidarPosition => [8, lidar::AROUND],
-            Self::LidarRanges => [4, lidar::RANGES],
-            Self::LidarBeams => [16, lidar::BEAMS],
-            Self::Position => return 0,
-        };
-        if parts % moves == 0 { bits } else { 0 }
+        match self.begins_with_neighbours() && 8 % moves == 0 {
+            true => lidar::AROUND,
+            false => 0,
+        }
     }
 
     /// Returns true if the percept begins with the eight cells around the robot, two bits each.
@@ -191,7 +181,7 @@ impl Sensor {
     /// Returns true if no two cells of any maze have the same percept.
     pub fn tells_all_apart(self) -> bool {
         match self {
-            Self::Neighbours | Self::Lidar | Self::LidarRanges | Self::LidarBeams => false,
+            Self::Neighbours | Self::Lidar => false,
             Self::Position | Self::NeighboursPosition | Self::LidarPosition => true,
         }
     }
@@ -217,16 +207,17 @@ impl Sensor {
     /// cells around the robot, as a lidar does.
     pub fn sense(self, maze: &Maze, local: &LocalMap<'_>) -> Percept {
         if maze.is_from_map() {
-            // As in a costmap: a layer from the map, and a layer from the scan, which covers the
-            // moves from the robot's cell.
-            let is_open = |at, step| {
-                lidar::is_open(maze, local.cell, at, step)
-                    && (at != [0, 0] || !local.is_blocked(maze, step))
+            // As in a costmap: a layer from the map, and a layer from the scan.
+            let is_open = |direction| {
+                lidar::is_open(maze, local.cell, direction) && !local.is_blocked(maze, direction)
             };
             return self.by_lidar(&is_open, maze, local.cell);
         }
-        let is_free = |[east, north]: [i32; 2]| local.surroundings.is_free(east, north);
-        let is_seen = |at, step| lidar::is_seen(&is_free, at, step);
+        let is_free = |direction: Direction| {
+            let (east, south) = direction.offset();
+            local.surroundings.is_free(east, -south)
+        };
+        let is_seen = |direction| lidar::is_seen(&is_free, direction);
         self.by_lidar(&is_seen, maze, local.cell)
     }
 
@@ -238,7 +229,7 @@ impl Sensor {
             Self::NeighboursPosition => {
                 neighbours::percept(maze, cell).followed_by(&position::percept(maze, cell))
             }
-            Self::Lidar | Self::LidarRanges | Self::LidarBeams | Self::LidarPosition => {
+            Self::Lidar | Self::LidarPosition => {
                 self.by_lidar(&lidar::perfect(maze, cell), maze, cell)
             }
         }
@@ -246,15 +237,10 @@ impl Sensor {
 
     /// Returns a lidar percept, for open steps around a robot whose estimated cell is `cell`.
     fn by_lidar(self, is_open: lidar::IsOpen<'_>, maze: &Maze, cell: Cell) -> Percept {
-        match self {
-            Self::LidarRanges => lidar::ranges(is_open),
-            Self::LidarBeams => lidar::beams(is_open),
-            Self::LidarPosition => {
-                lidar::around(is_open).followed_by(&position::percept(maze, cell))
-            }
-            Self::Lidar | Self::Neighbours | Self::Position | Self::NeighboursPosition => {
-                lidar::around(is_open)
-            }
+        let around = lidar::around(is_open);
+        match self == Self::LidarPosition {
+            true => around.followed_by(&position::percept(maze, cell)),
+            false => around,
         }
     }
 }
@@ -262,7 +248,6 @@ impl Sensor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::world::Direction;
 
     fn maze(name: &str) -> Maze {
         let file = format!("{}/../../worlds/{name}.json", env!("CARGO_MANIFEST_DIR"));
@@ -311,7 +296,7 @@ mod tests {
             assert_ne!(bits(after), bits(before), "control: {sensor:?}");
             checked += 1;
         }
-        assert!(checked >= 6, "{checked}");
+        assert_eq!(checked, 4);
     }
 
     /// Returns true if a wall ahead looks the same to each of the moves, once the percept is
@@ -345,9 +330,7 @@ mod tests {
                 assert!(fits || ring == 0, "{sensor:?}, {}", moves.len());
             }
         }
-        let (ranges, eight) = (Sensor::LidarRanges, Direction::CLOCKWISE);
-        assert_eq!([4, 8].map(|moves| ranges.ring(moves)), [lidar::RANGES, 0]);
-        let fits = shows_what_is_ahead(ranges, &eight, lidar::RANGES);
-        assert!(!fits, "control: its quarters are no eighths");
+        let fits = shows_what_is_ahead(Sensor::Position, &Direction::MAIN, 4);
+        assert!(!fits, "control: a position has no ring");
     }
 }

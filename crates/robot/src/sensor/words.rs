@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Sensor, lidar, neighbours, position};
+use super::{Sensor, neighbours, position};
 use crate::world::{Direction, Maze};
 use xcs::{Condition, Percept};
 
@@ -115,8 +115,6 @@ impl Sensor {
                 words
             }
             Self::Lidar => seen(names, alleles),
-            Self::LidarRanges => ranges(names, alleles),
-            Self::LidarBeams => beams(names, alleles),
             Self::LidarPosition => {
                 let mut words = seen(names, alleles);
                 words.extend(place(maze, neighbours::WIDTH, alleles));
@@ -154,48 +152,6 @@ fn seen(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
         Some(format!("{name} {state}"))
     };
     names.into_iter().enumerate().filter_map(word).collect()
-}
-
-/// Describes how far the main directions are free, and the diagonals.
-fn ranges(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
-    let of_quarter = |quarter: usize| {
-        let (main, diagonal) = (names[2 * quarter], names[2 * quarter + 1]);
-        let first = quarter * (lidar::FARTHEST + 1);
-        let far = (1..=lidar::FARTHEST).filter_map(move |far| {
-            let at_least = alleles.allele(first + far - 1)?;
-            Some(match (at_least, far) {
-                (true, 1) => format!("{main} free"),
-                (true, _) => format!("{main} {far} cells free"),
-                (false, 1) => format!("{main} wall"),
-                (false, _) => format!("{main} wall within {far} cells"),
-            })
-        });
-        let beside = alleles
-            .allele(first + lidar::FARTHEST)
-            .map(|free| format!("{diagonal} {}", if free { "free" } else { "wall" }));
-        far.chain(beside)
-    };
-    (0..4).flat_map(of_quarter).collect()
-}
-
-/// Describes the bits of the beams.
-fn beams(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
-    let word = |beam: usize| {
-        let first = beam * lidar::BEAM_BITS;
-        let letter = |at| {
-            alleles
-                .allele(at)
-                .map_or('#', |bit| if bit { '1' } else { '0' })
-        };
-        let bits: String = (first..first + lidar::BEAM_BITS).map(letter).collect();
-        let (name, next) = (names[beam / 2], names[(beam / 2 + 1) % 8]);
-        let demands = bits.contains(['0', '1']);
-        demands.then(|| match beam.is_multiple_of(2) {
-            true => format!("{name} range {bits}"),
-            false => format!("{name} to {next} range {bits}"),
-        })
-    };
-    (0..16).filter_map(word).collect()
 }
 
 /// The largest number of ranges of columns or rows that are listed in full.

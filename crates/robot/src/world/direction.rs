@@ -53,6 +53,17 @@ impl Direction {
         }
     }
 
+    /// Returns the two main directions beside a diagonal one; `None` for a main direction.
+    pub fn sides(self) -> Option<[Self; 2]> {
+        match self {
+            Self::NorthEast => Some([Self::North, Self::East]),
+            Self::SouthEast => Some([Self::South, Self::East]),
+            Self::SouthWest => Some([Self::South, Self::West]),
+            Self::NorthWest => Some([Self::North, Self::West]),
+            Self::North | Self::East | Self::South | Self::West => None,
+        }
+    }
+
     /// Returns the name used in files: `north`, `north-east`, ...
     pub fn name(self) -> &'static str {
         match self {
