@@ -185,13 +185,13 @@ impl Robustness {
                     let mut changed = plan.clone();
                     (condition.change)(&mut changed);
                     let name = condition.name;
-                    let result = ConditionResult::of(name, &changed, knowledge, (episodes, stop))?;
+                    let result = ConditionResult::of(name, &changed, knowledge, episodes, stop)?;
                     found.conditions.push(result);
                 }
             }
         }
         if plan.maze.is_from_map() && plan.config.arena == ArenaKind::Physics {
-            found.add_box(&plan, knowledge, (episodes, stop))?;
+            found.add_box(&plan, knowledge, episodes, stop)?;
         }
         Ok(found)
     }
@@ -201,13 +201,14 @@ impl Robustness {
         &mut self,
         plan: &Plan,
         knowledge: &Knowledge,
-        drives: (u32, &dyn Fn() -> bool),
+        episodes: u32,
+        stop: &dyn Fn() -> bool,
     ) -> Result<(), Error> {
         let reason = match plan.maze.start() {
             None => "the world has no start cell, so there is no route",
             Some(_) => match with_box(plan, knowledge) {
                 Some(plan) => {
-                    let result = ConditionResult::of(WITH_BOX, &plan, knowledge, drives)?;
+                    let result = ConditionResult::of(WITH_BOX, &plan, knowledge, episodes, stop)?;
                     self.conditions.push(result);
                     return Ok(());
                 }
@@ -245,7 +246,8 @@ impl ConditionResult {
         condition: &'static str,
         plan: &Plan,
         knowledge: &Knowledge,
-        (episodes, stop): (u32, &dyn Fn() -> bool),
+        episodes: u32,
+        stop: &dyn Fn() -> bool,
     ) -> Result<Self, Error> {
         let mut mislocalised = Mislocalised::default();
         let evaluation = run::observe(plan, knowledge, episodes, &mut mislocalised, stop)?;

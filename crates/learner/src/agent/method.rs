@@ -90,10 +90,10 @@ impl Method {
         let combined =
             |reward: Params| Combined::new(learner(), reward, stream(StreamName::Imprinting));
         let model = |reward: Params| {
-            let numbers = (ring, setup.layout.clone());
             WorldModel::new(
                 actions,
-                numbers,
+                ring,
+                setup.layout.clone(),
                 reward,
                 plus.clone(),
                 stream(StreamName::Planning),

@@ -9,6 +9,7 @@ use super::canvas::{
 };
 use super::panels::Panels;
 use super::theme::{CENTRED, FAINT, FROM_LEFT, INK, line, text, ticks, widest};
+use crate::study::analysis::summary::ArmRecords;
 use crate::study::statistics::Interval;
 
 const PANEL: Size = (340, 300);
@@ -77,8 +78,7 @@ impl Curves<'_> {
                     [|share| share.low, |share| share.high, |share| share.value];
                 let stairs = shares.map(|share| staircase(&steps, episodes, share));
                 draw_curve(&mut chart, series, stairs)?;
-                let trials = records.successes().trials;
-                self.still_searching(canvas, &chart, series, (trials, &records.first_episodes()))?;
+                self.still_searching(canvas, &chart, series, records)?;
             }
         }
         Ok(())
@@ -90,8 +90,9 @@ impl Curves<'_> {
         canvas: &Canvas<'_>,
         chart: &ByEpisode<'_, '_>,
         series: usize,
-        (trials, firsts): (u64, &[u32]),
+        records: &ArmRecords<'_>,
     ) -> Drawn {
+        let (trials, firsts) = (records.successes().trials, records.first_episodes());
         ticks(self.0.episodes).into_iter().try_for_each(|episode| {
             let (x, _) = chart.backend_coord(&(episode, 0.0));
             let found = firsts.partition_point(|first| *first <= episode);

@@ -34,7 +34,8 @@ impl WorldModel {
     /// robot; `layout` lists its numbers. The parameters must have been checked.
     pub fn new(
         actions: usize,
-        (ring, layout): (usize, Layout),
+        ring: usize,
+        layout: Layout,
         params: Params,
         own: PlusParams,
         stream: Stream,
