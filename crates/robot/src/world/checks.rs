@@ -1,16 +1,15 @@
 //! Checks of a world beyond the letters of its rows.
 
-use super::error::WorldError;
+use super::error::Fault;
 use super::maze::{Cell, Maze};
 use super::paths::Paths;
 use super::rows::Rows;
-use super::source::Source;
 
 /// Requires at least one goal, and at most one start.
-pub fn check_start_and_goal(source: Source<'_>, rows: &Rows<'_>) -> Result<(), WorldError> {
+pub fn check_start_and_goal(rows: &Rows) -> Result<(), Fault> {
     if rows.goals.is_empty() {
         let help = "mark at least one cell with `G`";
-        return Err(source.fault(source.start_of(rows.raw), "the world has no goal", help));
+        return Err(Fault::new("the world has no goal", help));
     }
     let [_, second, ..] = rows.starts[..] else {
         return Ok(());
@@ -20,11 +19,11 @@ pub fn check_start_and_goal(source: Source<'_>, rows: &Rows<'_>) -> Result<(), W
         count => format!("the world has {count} starts"),
     };
     let help = "keep one `S`; without any, every episode starts in a random free cell";
-    Err(source.fault(rows.start_of(second), title, help))
+    Err(Fault::at_cell(second, title, help))
 }
 
 /// Requires that every cell of the border is a wall.
-pub fn check_border(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Result<(), WorldError> {
+pub fn check_border(maze: &Maze) -> Result<(), Fault> {
     let on_border = |cell: &Cell| {
         cell.col == 0
             || cell.row == 0
@@ -33,8 +32,8 @@ pub fn check_border(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Result<
     };
     match maze.free_cells().find(on_border) {
         None => Ok(()),
-        Some(gap) => Err(source.fault(
-            rows.start_of(gap),
+        Some(gap) => Err(Fault::at_cell(
+            gap,
             "the border is open",
             "close the border with `#`, or join the edges with \"wrap\": true",
         )),
@@ -42,7 +41,7 @@ pub fn check_border(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Result<
 }
 
 /// Requires that an episode can start, and that every start can reach a goal.
-pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Result<(), WorldError> {
+pub fn check_reachable(maze: &Maze) -> Result<(), Fault> {
     let paths = Paths::new(maze);
     let mut starts = maze
         .free_cells()
@@ -51,8 +50,7 @@ pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Resu
         })
         .peekable();
     if starts.peek().is_none() {
-        return Err(source.fault(
-            rows.start_of(maze.goals()[0]),
+        return Err(Fault::new(
             "the world has no cell to start in: all free cells are goals",
             "mark a start with `S`, or free a cell with `.`",
         ));
@@ -70,5 +68,5 @@ pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Resu
             "make the cell a wall, open a path, or set a fixed start `S`",
         ),
     };
-    Err(source.fault(rows.start_of(cell), title, help))
+    Err(Fault::at_cell(cell, title, help))
 }

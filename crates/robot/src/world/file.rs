@@ -6,17 +6,15 @@ use std::sync::Arc;
 
 use super::checks::{check_border, check_reachable, check_start_and_goal};
 use super::direction::Moves;
-use super::document::Document;
-use super::error::WorldError;
+use super::error::{Fault, WorldError, quoted};
 use super::floor;
-use super::json::{kind, missing_key, wrong_type};
+use super::keys::Keys;
 use super::maze::Maze;
 use super::name;
 use super::near;
 use super::origin::Origin;
 use super::rows::Rows;
 use super::solid::Solid;
-use super::source::{Source, quoted};
 use crate::input;
 
 /// The largest world file, in bytes.
@@ -54,7 +52,7 @@ impl Maze {
     /// * no JSON object, unknown, repeated or missing keys, wrong types, or values out of range
     /// * ragged or empty rows, unknown letters, or an open border
     /// * no goal, more than one start, or a start from which no goal can be reached
-    /// * a floor that does not fit the rows, or rewarding cells without a reward
+    /// * a floor that does not fit the rows
     /// * a solid geometry that does not fit the cells
     /// * too large (over 64 MiB, or 4096 columns or rows)
     ///
@@ -73,11 +71,7 @@ impl Maze {
             return Err(too_large(origin));
         }
         let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
-        let source = Source {
-            origin,
-            text: decode(text, origin)?,
-        };
-        read_maze(source)
+        read_maze(text, origin).map_err(|fault| fault.in_file(origin))
     }
 
     /// Returns the text of a world file for this maze. Equal mazes give the same text.
@@ -124,147 +118,98 @@ fn array(rows: impl Iterator<Item = String>) -> String {
 
 fn too_large(origin: &str) -> WorldError {
     let help = "split the world or make it smaller";
-    Source::error(origin, None, "the world file is larger than 64 MiB", help)
+    Fault::new("the world file is larger than 64 MiB", help).in_file(origin)
 }
 
-fn decode<'a>(text: &'a [u8], origin: &str) -> Result<&'a str, WorldError> {
-    std::str::from_utf8(text).map_err(|error| {
-        let at = error.valid_up_to();
-        let shown = String::from_utf8_lossy(&text[..at]);
-        let source = Source {
-            origin,
-            text: &shown,
-        };
-        source.fault(at, "the file is not UTF-8 text", "save the file as UTF-8")
-    })
-}
-
-fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
-    let document = Document::parse(source)?;
-    let name = read_name(source, document.value("name"))?;
-    let cell_size_m = read_cell_size(source, document.value("cell_size_m"))?;
-    let moves = read_moves(source, document.value("moves"))?;
-    let wrap = read_wrap(source, document.value("wrap"))?;
-    let origin = Origin::read(source, document.value("origin"))?;
-    let raw_rows = document
-        .value("rows")
-        .ok_or_else(|| missing_key(source, "rows"))?;
-    let mut rows = Rows::parse(source, raw_rows)?;
-    check_start_and_goal(source, &rows)?;
-    let walls = std::mem::take(&mut rows.walls).into();
+fn read_maze(text: &[u8], origin: &str) -> Result<Maze, Fault> {
+    let text = std::str::from_utf8(text)
+        .map_err(|_| Fault::new("the file is not UTF-8 text", "save the file as UTF-8"))?;
+    if origin.ends_with(".toml") && !text.trim_start().starts_with('{') {
+        let help = "run a study file with `xcscr study run FILE`, and give a settings file after `--config`";
+        return Err(Fault::new("a world is a JSON file", help));
+    }
+    let keys = Keys::parse(text)?;
+    let name = checked_name(keys.name, origin)?;
+    let cell_size_m = checked_cell_size(keys.cell_size_m)?;
+    let moves = checked_moves(keys.moves)?;
+    keys.origin.check()?;
+    let rows = Rows::parse(&keys.rows.0)?;
+    check_start_and_goal(&rows)?;
+    let walls = rows.walls.into();
     let mut maze = Maze {
         name,
         cell_size_m,
         moves,
-        wrap,
-        origin,
-        width: rows.width(),
-        height: rows.height(),
-        solid: Maze::solid_cells(&walls, rows.width(), cell_size_m),
+        wrap: keys.wrap,
+        origin: keys.origin,
+        width: rows.width,
+        height: rows.height,
+        solid: Maze::solid_cells(&walls, rows.width, cell_size_m),
         obstructed: None,
         walls,
         open: None,
         start: rows.starts.first().copied(),
-        goals: std::mem::take(&mut rows.goals),
+        goals: rows.goals,
         floor: None,
         cache: Default::default(),
     };
-    if let Some(raw) = document.value("floor") {
-        maze.floor = floor::read(source, raw, &maze)?;
+    if let Some(floor) = &keys.floor {
+        maze.floor = floor::read(&floor.0, &maze)?;
     }
-    if let Some(raw) = document.value("solid") {
-        maze.solid = Arc::new(Solid::read(source, raw, &maze)?);
+    if let Some(solid) = keys.solid {
+        maze.solid = Arc::new(Solid::of_keys(solid, &maze)?);
         maze.find_open_moves();
     }
-    if !wrap {
-        check_border(source, &maze, &rows)?;
+    if !maze.wrap {
+        check_border(&maze)?;
     }
-    check_reachable(source, &maze, &rows)?;
+    check_reachable(&maze)?;
     Ok(maze)
 }
 
-fn read_name(source: Source<'_>, raw: Option<&str>) -> Result<String, WorldError> {
-    let Some(raw) = raw else {
-        return name_from_origin(source);
+/// Returns the name of a world, by default the stem of its file's name.
+fn checked_name(given: Option<String>, origin: &str) -> Result<String, Fault> {
+    let stem = || {
+        Path::new(origin)
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
     };
-    if kind(raw) != Some("a string") {
-        return Err(wrong_type(source, "name", raw, "a string"));
-    }
-    let name: String = serde_json::from_str(raw).unwrap_or_else(|_| raw.to_owned());
-    if name::is_valid(&name) {
-        return Ok(name);
-    }
-    Err(source.fault(
-        source.start_of(raw),
-        format!("{} cannot be the name of a world", quoted(&name)),
-        name::RULE,
-    ))
-}
-
-fn name_from_origin(source: Source<'_>) -> Result<String, WorldError> {
-    let stem = Path::new(source.origin)
-        .file_stem()
-        .map(|stem| stem.to_string_lossy().into_owned())
-        .unwrap_or_default();
-    if name::is_valid(&stem) {
-        return Ok(stem);
-    }
-    let at = source.text.find('{').unwrap_or(0);
-    Err(source.fault(
-        at,
-        format!(
-            "the world has no name, and the file's name {} cannot be one",
-            quoted(&stem)
-        ),
-        format!("add \"name\": \"{}\"", name::repaired(&stem)),
-    ))
-}
-
-fn read_cell_size(source: Source<'_>, raw: Option<&str>) -> Result<f64, WorldError> {
-    let Some(raw) = raw else {
-        return Ok(1.0);
-    };
-    if kind(raw) != Some("a number") {
-        return Err(wrong_type(source, "cell_size_m", raw, "a number"));
-    }
-    // A number that is too large for the type counts as infinite.
-    let size = serde_json::from_str(raw).unwrap_or(f64::INFINITY);
-    if CELL_SIZE_M.contains(&size) {
-        return Ok(size);
-    }
-    let (low, high) = (CELL_SIZE_M.start(), CELL_SIZE_M.end());
-    Err(source.fault(
-        source.start_of(raw),
-        format!(
-            "`cell_size_m` is {}, but must be from {low} to {high}",
-            quoted(raw)
-        ),
-        "`cell_size_m` is the edge of a cell in metres; leave it out for 1.0",
-    ))
-}
-
-fn read_moves(source: Source<'_>, raw: Option<&str>) -> Result<Moves, WorldError> {
-    let Some(raw) = raw else {
-        return Ok(Moves::default());
-    };
-    if kind(raw) != Some("a number") {
-        return Err(wrong_type(source, "moves", raw, "4 or 8"));
-    }
-    match serde_json::from_str(raw) {
-        Ok(4.0) => Ok(Moves::Four),
-        Ok(8.0) => Ok(Moves::Eight),
-        _ => Err(source.fault(
-            source.start_of(raw),
-            format!("`moves` is {}, expected 4 or 8", quoted(raw)),
-            "4 means north, east, south and west; 8 adds the diagonals",
+    let name = given.clone().unwrap_or_else(|| stem().into_owned());
+    match (name::is_valid(&name), given) {
+        (true, _) => Ok(name),
+        (false, Some(name)) => {
+            let title = format!("{} cannot be the name of a world", quoted(&name));
+            Err(Fault::new(title, name::RULE))
+        }
+        (false, None) => Err(Fault::new(
+            format!(
+                "the world has no name, and the file's name {} cannot be one",
+                quoted(&name)
+            ),
+            format!("add \"name\": \"{}\"", name::repaired(&name)),
         )),
     }
 }
 
-fn read_wrap(source: Source<'_>, raw: Option<&str>) -> Result<bool, WorldError> {
-    match raw {
-        None | Some("false") => Ok(false),
-        Some("true") => Ok(true),
-        Some(raw) => Err(wrong_type(source, "wrap", raw, "true or false")),
+fn checked_cell_size(size_m: f64) -> Result<f64, Fault> {
+    if CELL_SIZE_M.contains(&size_m) {
+        return Ok(size_m);
+    }
+    let (low, high) = (CELL_SIZE_M.start(), CELL_SIZE_M.end());
+    Err(Fault::new(
+        format!("`cell_size_m` is {size_m:?}, but must be from {low} to {high}"),
+        "`cell_size_m` is the edge of a cell in metres; leave it out for 1.0",
+    ))
+}
+
+fn checked_moves(moves: f64) -> Result<Moves, Fault> {
+    match moves {
+        4.0 => Ok(Moves::Four),
+        8.0 => Ok(Moves::Eight),
+        _ => Err(Fault::new(
+            format!("`moves` is {moves}, expected 4 or 8"),
+            "4 means north, east, south and west; 8 adds the diagonals",
+        )),
     }
 }

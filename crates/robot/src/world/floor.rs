@@ -1,65 +1,36 @@
 //! The floor: the friction of each cell, where a world file specifies it.
 
-use super::document::Elements;
-use super::error::WorldError;
-use super::json::{kind, wrong_type};
+use super::error::{Fault, quoted};
 use super::maze::{Cell, Floor, Maze};
-use super::rows::MAX_SIDE;
-use super::source::{Source, quoted};
 
 /// Describes the letters of a floor, for help lines.
 const LETTERS: &str =
     "the letters of a floor are `#` wall, `.` usual floor, and `1` to `9`, its friction in tenths";
 
 /// Reads the floor of a world whose rows are already read.
-pub(super) fn read(source: Source<'_>, raw: &str, maze: &Maze) -> Result<Floor, WorldError> {
-    let refuse = || wrong_type(source, "floor", raw, "an array of strings");
-    if kind(raw) != Some("an array") {
-        return Err(refuse());
-    }
-    let rows: Elements<'_, MAX_SIDE> = serde_json::from_str(raw).map_err(|_| refuse())?;
+pub(super) fn read(texts: &[String], maze: &Maze) -> Result<Floor, Fault> {
     let wanted = usize::from(maze.height());
-    if rows.count != wanted {
-        let title = format!("the floor has {} rows, the world {wanted}", rows.count);
+    if texts.len() != wanted {
+        let title = format!("the floor has {} rows, the world {wanted}", texts.len());
         let help = "give the floor a row for each of `rows`, or leave `floor` out";
-        return Err(source.fault(source.start_of(raw), title, help));
+        return Err(Fault::new(title, help));
     }
     let mut tenths = Vec::with_capacity(maze.walls.len());
-    for (row, raw) in (0..maze.height()).zip(&rows.first) {
-        read_row(source, raw, row, maze, &mut tenths)?;
+    for (row, text) in (0..maze.height()).zip(texts) {
+        let (found, wanted) = (text.chars().count(), usize::from(maze.width()));
+        if found != wanted {
+            let title = format!("row {} of the floor has {found} cells", row + 1);
+            let help = format!("each row of `rows` has {wanted}; give the floor as many");
+            return Err(Fault::new(title, help));
+        }
+        for (col, letter) in (0..maze.width()).zip(text.chars()) {
+            let cell = Cell { col, row };
+            let tenth = tenths_of(letter, maze.is_wall(cell));
+            tenths.push(tenth.map_err(|[title, help]| Fault::at_cell(cell, title, help))?);
+        }
     }
     let is_usual = tenths.iter().all(|&tenth| tenth == 0);
     Ok((!is_usual).then(|| tenths.into()))
-}
-
-fn read_row(
-    source: Source<'_>,
-    raw: &str,
-    row: u16,
-    maze: &Maze,
-    tenths: &mut Vec<u8>,
-) -> Result<(), WorldError> {
-    let Some(letters) = raw.strip_prefix('"').and_then(|r| r.strip_suffix('"')) else {
-        return Err(wrong_type(
-            source,
-            &format!("floor[{row}]"),
-            raw,
-            "a string",
-        ));
-    };
-    let (found, wanted) = (letters.chars().count(), usize::from(maze.width()));
-    if found != wanted {
-        let title = format!("row {} of the floor has {found} cells", row + 1);
-        let help = format!("each row of `rows` has {wanted}; give the floor as many");
-        return Err(source.fault(source.start_of(raw), title, help));
-    }
-    for (col, (at, letter)) in (0..maze.width()).zip(letters.char_indices()) {
-        let is_wall = maze.is_wall(Cell { col, row });
-        let tenth = tenths_of(letter, is_wall)
-            .map_err(|[title, help]| source.fault(source.start_of(letters) + at, title, help))?;
-        tenths.push(tenth);
-    }
-    Ok(())
 }
 
 /// Returns the friction in tenths that a letter means. Errors are a title and a help line.
@@ -93,6 +64,7 @@ fn tenths_of(letter: char, is_wall: bool) -> Result<u8, [String; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::world::WorldError;
 
     const ROWS: [&str; 3] = ["#####", "#S.G#", "#####"];
 

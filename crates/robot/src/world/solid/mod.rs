@@ -16,6 +16,7 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::{Isometry2, Point2, Vector2};
 
 pub use blocks::Block;
+pub(super) use file::Keys;
 pub use way::Narrowest;
 
 use super::Origin;
