@@ -9,10 +9,12 @@ mod kind;
 mod noisy_percepts;
 mod physics;
 mod sensed;
-mod slip;
+mod action_slip;
 
 use nalgebra::{Isometry2, Point2, Vector2};
 
+pub use action_slip::ArenaParams;
+pub use action_slip::SlippingArena;
 pub use grid::GridArena;
 pub use kind::ArenaKind;
 pub use noisy_percepts::NoisyPerceptArena;
@@ -23,8 +25,6 @@ pub use physics::{
     Pilot, Robot, Speeds, WheelDrive,
 };
 pub use sensed::{Beam, Estimate, LocalMap, Sensed};
-pub use slip::ArenaParams;
-pub use slip::SlippingArena;
 
 use crate::world::{Cell, Maze};
 use xcs::{Action, Percept};

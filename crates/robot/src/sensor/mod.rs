@@ -29,7 +29,8 @@ use crate::arena::{ArenaKind, LocalMap, View};
 use crate::world::{Cell, Direction, Maze, Paths};
 use xcs::{Layout, Percept};
 
-/// The sensor types.
+/// The encodings of what the robot perceives as a percept (`--sensor`). Devices, such as the
+/// lidar, belong to the robot of the physics arena.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr, VariantArray,
 )]

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::action_slip::Expected;
 use super::maze::{Cell, Maze};
-use super::slip::Expected;
 use xcs::Action;
 
 /// Marker in place of a distance: the cell is free, but cannot reach a goal.

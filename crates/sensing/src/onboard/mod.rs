@@ -9,7 +9,7 @@ mod estimator;
 mod field;
 mod mapper;
 mod obstacles;
-mod slip;
+mod wheel_slip;
 mod surroundings;
 #[cfg(test)]
 mod tests;

@@ -18,7 +18,7 @@ use self::fit::Fit;
 use super::angle::{ahead, rotation, square};
 use super::assumed::Assumed;
 use super::field::Field;
-use super::slip::{Slip, Verdict};
+use super::wheel_slip::{Verdict, WheelSlip};
 use crate::{EstimatorParams, Readings, Return, RobotParams, STEP_S};
 
 /// Indices of the state: position, heading, bias and scale of the gyro, scale of the wheels, scale
@@ -74,7 +74,7 @@ pub(crate) struct FilterState {
     roll: f64,
     last: LastStep,
     /// The wheel-slip detector.
-    slip: Slip,
+    slip: WheelSlip,
     /// The number of steps for which undetected slip is still considered possible.
     wary: u32,
     /// The recent surplus of disagreeing over agreeing beams, along x and y.
@@ -162,7 +162,7 @@ impl Estimator {
                 ranges: 0.0,
                 roll: 0.0,
                 last: LastStep::default(),
-                slip: Slip::default(),
+                slip: WheelSlip::default(),
                 wary: 0,
                 strain: [0.0; 2],
                 covariance: SMatrix::from_diagonal(&SVector::from(variances)),
@@ -188,7 +188,7 @@ impl Estimator {
     /// calibration of the sensors stays.
     pub fn put_down(&mut self, pose: Isometry2<f64>, [off_m, off_rad]: [f64; 2]) {
         self.place(pose, [off_m, off_m, off_rad]);
-        self.filter.slip = Slip::default();
+        self.filter.slip = WheelSlip::default();
         self.filter.strain = [0.0; 2];
         self.filter.last = LastStep::default();
     }

@@ -21,7 +21,7 @@ const DECIDED: f64 = 16.0;
 
 /// The state of the wheel-slip detector.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Slip {
+pub struct WheelSlip {
     /// The number of steps for which the floor is still treated as slippery.
     slippery: u32,
     /// The number of steps for which slip gives no information about the floor.
@@ -47,7 +47,7 @@ fn remembered_steps(params: &EstimatorParams) -> u32 {
     (params.slip_s / STEP_S).round() as u32
 }
 
-impl Slip {
+impl WheelSlip {
     /// Returns true if the floor is treated as slippery.
     pub(super) fn is_detected(&self) -> bool {
         self.slippery > 0
@@ -143,7 +143,7 @@ mod tests {
             slip_s,
             ..EstimatorParams::default()
         };
-        let mut slip = Slip::default();
+        let mut slip = WheelSlip::default();
         slip.step(0.1, 0.0, false, &params);
         let mut steps = 0;
         while slip.is_detected() {
@@ -161,7 +161,7 @@ mod tests {
     /// Returns whether slip is detected after steps with these disagreements, without noise. `bump`
     /// is the number of a step.
     fn detects(disagreements: &[f64], bump: Option<usize>) -> bool {
-        let (mut slip, params) = (Slip::default(), EstimatorParams::default());
+        let (mut slip, params) = (WheelSlip::default(), EstimatorParams::default());
         for (number, &disagreement) in disagreements.iter().enumerate() {
             slip.step(disagreement, 0.0, bump == Some(number), &params);
         }
@@ -188,7 +188,7 @@ mod tests {
 
     #[test]
     fn disagreement_within_the_wheel_noise_is_not_slip() {
-        let (mut slip, params) = (Slip::default(), EstimatorParams::default());
+        let (mut slip, params) = (WheelSlip::default(), EstimatorParams::default());
         slip.step(0.039, 0.01, false, &params);
         assert!(!slip.is_detected());
         slip.step(0.041, 0.01, false, &params);
@@ -198,13 +198,13 @@ mod tests {
     #[test]
     fn beams_decide_whether_wheels_that_spin_alike_put_the_robot_behind() {
         let params = EstimatorParams::default();
-        let mut slip = Slip::default();
+        let mut slip = WheelSlip::default();
         slip.roll(0.1, false);
         assert_eq!(slip.lag(), Some(0.1));
         assert_eq!(slip.weigh(15.0, &params), None, "not yet");
         assert_eq!(slip.weigh(2.0, &params), Some(Verdict::Spun(0.1)));
         assert!(slip.is_detected() && slip.lag().is_none());
-        let mut slip = Slip::default();
+        let mut slip = WheelSlip::default();
         slip.roll(0.1, false);
         assert_eq!(slip.weigh(-17.0, &params), Some(Verdict::Rolled));
         assert!(!slip.is_detected() && slip.lag().is_none());
@@ -214,7 +214,7 @@ mod tests {
     fn evidence_for_accelerating_too_hard_is_not_evidence_for_braking_too_hard() {
         let params = EstimatorParams::default();
         let weighed_after = |by: f64| {
-            let mut slip = Slip::default();
+            let mut slip = WheelSlip::default();
             slip.roll(0.1, false);
             assert_eq!(slip.weigh(15.0, &params), None);
             slip.roll(by, false);
@@ -230,7 +230,7 @@ mod tests {
 
     #[test]
     fn a_negligible_lag_is_dropped() {
-        let mut slip = Slip::default();
+        let mut slip = WheelSlip::default();
         slip.roll(0.02, false);
         assert_eq!(slip.lag(), None);
         slip.roll(0.0, false);
