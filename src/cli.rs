@@ -14,6 +14,7 @@ use crate::commands::recording::{self, RecordingCommand};
 use crate::commands::replay::{self, ReplayArgs};
 use crate::commands::results::Results;
 use crate::commands::robot::{self, RobotCommand};
+use crate::commands::ros_args;
 use crate::commands::rules::{self, RulesArgs};
 use crate::commands::simulate::{self, SimulateArgs};
 use crate::commands::study::{self, StudyCommand};
@@ -92,7 +93,11 @@ pub enum Command {
 impl Cli {
     /// Parses the arguments of this process.
     pub fn of_arguments() -> Result<Self, clap::Error> {
-        let matches = with_negative_numbers(Self::command()).try_get_matches();
+        let command = with_negative_numbers(Self::command());
+        let matches = match ros_args::expanded(std::env::args_os().collect()) {
+            Ok(arguments) => command.try_get_matches_from(arguments),
+            Err(fault) => Err(Self::command().error(clap::error::ErrorKind::InvalidValue, fault)),
+        };
         let mut matches = matches.map_err(with_places)?;
         Self::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut Self::command()))
     }

@@ -121,20 +121,20 @@ def stamped(run):
 
 
 def lds_01(run):
-    """A TurtleBot3 whose scans are those of the driver of the LDS-01."""
+    """A TurtleBot3 whose scans are those of the driver of the LDS-01: the profile has their order."""
     burger = train(run.with_name("burger"), "maze4", *BURGER)
-    for arguments, expected in [(["--reversed-scans"], 0), ([], None)]:
+    for arguments, expected in [([], 0), (["--scan-order", "forward"], None)]:
         robot = simulate("--namespace", "raw", *BURGER)
         relay = Relay()
-        relay.spoil = {"scan": like_the_lds_01}
-        driver = drive(burger, *arguments)
-        code = driver.wait(180 if arguments else 10)
+        relay.spoil = {"scan": no_echo_is_zero}
+        driver = drive(burger, *BURGER, *arguments)
+        code = driver.wait(10 if arguments else 180)
         said = driver.said()
         driver.end()
         name = " ".join(arguments) or "no option"
         claim(code == expected, f"scans of the LDS-01 with {name}: exit code {code}")
-        if not arguments:
-            claim("pass --reversed-scans" in said and not any(forward for _, forward, _ in relay.commands), "and the fault names the option")
+        if arguments:
+            claim("pass --scan-order reversed" in said and not any(forward for _, forward, _ in relay.commands), "and the fault names the option")
         relay.close()
         robot.end()
 
@@ -178,7 +178,7 @@ FAULTS = [
     ("the simulation stands still", "no-clock", stand_still, "no time on /clock"),
     ("stamps jump back 2 s", "clock-jumped", {"odom": later(-2)}, "jumped by"),
     ("scans are stamped 5 s late", "clocks-disagree", {"scan": later(5)}, "synchronise the clocks"),
-    ("scans of the LDS-01", "scan-ahead", {"scan": like_the_lds_01}, "--reversed-scans"),
+    ("scans of the LDS-01", "scan-ahead", {"scan": like_the_lds_01}, "--scan-order reversed"),
     ("ranges are NaN", "invalid-ranges", {"scan": not_a_number}, "are not a number"),
     ("a pose is NaN", "invalid-odometry", {"odom": changed(pose__pose__position__x=math.nan)}, "is not a number"),
     ("/odom in the frame map", "wrong-frame", {"odom": changed(header__frame_id="map")}, "in the frame `map`"),

@@ -169,14 +169,19 @@ def later(seconds):
     return change
 
 
+def no_echo_is_zero(scan):
+    scan.ranges = [0.0 if math.isinf(beam) else beam for beam in scan.ranges]
+    return scan
+
+
 def like_the_lds_01(scan):
     """Lists the beams from the last to the first, with the stamp of the last one, and 0 where nothing came back."""
     last = len(scan.ranges) - 1
     later(last * scan.time_increment)(scan)
     scan.angle_min += last * scan.angle_increment
     scan.angle_increment = -scan.angle_increment
-    scan.ranges = [0.0 if math.isinf(beam) else beam for beam in reversed(scan.ranges)]
-    return scan
+    scan.ranges = scan.ranges[::-1]
+    return no_echo_is_zero(scan)
 
 
 def another_publisher(relay, _):

@@ -2,18 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
+use strum::VariantArray;
 use xcscr::ErrorKind;
 use xcscr::drive::DriveRecording;
 use xcscr::drive::{
-    DriveOptions, DriveSetup, Driver, DriverOptions, Fault, Frames, PoseSource, ScanOrder, Wheels,
+    DriveOptions, DriveSetup, Driver, DriverOptions, Fault, Frames, PoseSource, Wheels,
 };
-use xcscr::trial::RobotProfile;
+use xcscr::trial::{RobotProfile, ScanOrder};
 
-use super::choices;
 use super::failure::Failure;
-use super::learned;
 use super::node::{self, NodeArgs};
+use super::output::OutputFile;
 use super::results::Results;
+use super::{choices, compare, learned};
 
 /// Arguments of `drive`.
 #[derive(Debug, clap::Args)]
@@ -28,6 +29,12 @@ pub struct DriveArgs {
     /// and print the decisions. For a recorded drive, compare them with its decisions.
     #[arg(long, value_name = "FILE")]
     bag: Option<PathBuf>,
+    /// Compare the profile of the robot with the recorded drive: speeds, lag, odometry and ranges.
+    #[arg(long, requires = "bag")]
+    compare: bool,
+    /// Write a profile with the values of the drive where they differ.
+    #[arg(long, value_name = "FILE", requires_all = ["compare", "robot"])]
+    write_profile: Option<PathBuf>,
     /// The robot: a bundled profile or a TOML file. It must be the robot that the policy was
     /// trained with.
     #[arg(long, value_name = "NAME|FILE")]
@@ -60,10 +67,10 @@ pub struct DriveArgs {
     /// Prefix of the names of all frames but map, such as tb3/.
     #[arg(long, value_name = "P", default_value = "")]
     frame_prefix: String,
-    /// Scans list their beams from the last to the first. Their stamp is the time of the last one
-    /// (default; LDS-01, LDS-02 and LDS-03), or of the first one (RPLIDAR).
-    #[arg(long, value_name = "STAMP", num_args = 0..=1, require_equals = true, default_missing_value = "last")]
-    reversed_scans: Option<StampOf>,
+    /// Order in which scans list their beams: forward, reversed with the time of the last beam (LDS),
+    /// or of the first (RPLIDAR) [default: of --robot, or forward].
+    #[arg(long, value_name = "ORDER", value_parser = choices::one_of(ScanOrder::VARIANTS, <&str>::from))]
+    scan_order: Option<ScanOrder>,
     /// Take the time from /clock, for a simulated robot.
     #[arg(long)]
     sim_time: bool,
@@ -76,18 +83,11 @@ pub struct DriveArgs {
     /// The file for the recording [default: the name of the run with `-drive.mcap` appended].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Replace an earlier recording.
+    /// Replace an earlier recording or profile.
     #[arg(long)]
     force: bool,
     #[command(flatten)]
     node: NodeArgs,
-}
-
-/// The beam whose time is the stamp of a scan.
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum StampOf {
-    Last,
-    First,
 }
 
 /// Where the pose comes from.
@@ -121,13 +121,20 @@ impl DriveArgs {
             source: self.source(),
             start_tolerance: self.start_tolerance,
             wheels: self.wheels.clone(),
-            scan_order: match self.reversed_scans {
-                None => ScanOrder::Forward,
-                Some(StampOf::Last) => ScanOrder::Reversed,
-                Some(StampOf::First) => ScanOrder::ReversedFromFirst,
-            },
+            scan_order: self.scan_order,
         };
         Ok(DriveSetup::new(&plan, &knowledge, options)?)
+    }
+
+    /// Returns the profile that is to be fitted, and the file for it.
+    fn fitted(&self) -> Result<Option<(RobotProfile, OutputFile<'_>)>, Failure> {
+        let Some((file, robot)) = self.write_profile.as_deref().zip(self.robot.as_deref()) else {
+            return Ok(None);
+        };
+        Ok(Some((
+            RobotProfile::load(robot)?,
+            OutputFile::free(file, self.force)?,
+        )))
     }
 
     /// Returns the file for the recording.
@@ -141,6 +148,9 @@ impl DriveArgs {
 pub fn run(args: &DriveArgs, out: &mut Results) -> Result<(), Failure> {
     let setup = args.setup()?;
     if let Some(bag) = &args.bag {
+        if args.compare {
+            return compare::run(setup, bag, args.fitted()?, out);
+        }
         return repeat(Driver::new(setup), bag, out);
     }
     let options = DriverOptions {
@@ -159,6 +169,7 @@ fn repeat(mut driver: Driver, bag: &Path, out: &mut Results) -> Result<(), Failu
     let DriveRecording {
         readings,
         decisions,
+        ..
     } = DriveRecording::read(bag)?;
     let mut own = Vec::new();
     let mut reported: Vec<&str> = Vec::new();

@@ -2,13 +2,14 @@
 //!
 //! | shared module | contents |
 //! |---|---|
-//! | `choices`, `node` | arguments that several commands take |
+//! | `choices`, `node`, `ros_args` | arguments that several commands take |
 //! | `learned`, `source` | what a run, a recording or a file of rules holds |
 //! | `results`, `output` | what is printed to stdout, and output files |
 //! | `terminal`, `progress` | text for people |
 //! | `failure`, `interrupt` | errors, exit codes and signals |
 
 mod choices;
+mod compare;
 pub mod config;
 mod convert;
 pub mod drive;
@@ -25,6 +26,7 @@ pub mod recording;
 pub mod replay;
 pub mod results;
 pub mod robot;
+pub mod ros_args;
 pub mod rules;
 pub mod simulate;
 mod source;

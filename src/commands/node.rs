@@ -14,13 +14,20 @@ pub struct NodeArgs {
     /// DDS domain [default: ROS_DOMAIN_ID, or 0].
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u16).range(0..=232))]
     domain: Option<u16>,
+    /// Another name for a topic, also of the node (`__node`) and its namespace (`__ns`); `--ros-args -r`
+    /// means the same.
+    #[arg(long, value_name = "FROM:=TO", value_parser = remap)]
+    remap: Vec<(String, String)>,
 }
 
 impl NodeArgs {
     /// Returns the options of the node, by the arguments and the environment variables of ROS 2.
     pub fn options(&self) -> Result<NodeOptions, Failure> {
         let variable = |name: &str| std::env::var(name).ok();
-        let namespace = self.namespace.trim_matches('/');
+        let mut remaps = self.remap.clone();
+        let special = remaps.extract_if(.., |(from, _)| from == "__ns").last();
+        let namespace = special.map_or(self.namespace.clone(), |(_, to)| to);
+        let namespace = namespace.trim_matches('/');
         Ok(NodeOptions {
             namespace: format!("/{namespace}"),
             domain: match self.domain {
@@ -28,6 +35,7 @@ impl NodeArgs {
                 None => domain(&variable)?,
             },
             localhost_only: is_local(&variable)?,
+            remaps,
         })
     }
 }
@@ -69,6 +77,15 @@ fn is_local(variable: Variable<'_>) -> Result<bool, Failure> {
         Some("LOCALHOST") => Ok(true),
         Some(value) => Err(refusal(name, value, "must be SUBNET or LOCALHOST")),
     }
+}
+
+/// Parses another name for a topic.
+fn remap(text: &str) -> Result<(String, String), String> {
+    let parts = text
+        .split_once(":=")
+        .filter(|(from, to)| !from.is_empty() && !to.is_empty());
+    let (from, to) = parts.ok_or("must be two names with `:=` between them")?;
+    Ok((from.to_owned(), to.to_owned()))
 }
 
 /// Parses a pose: x and y in metres and the heading in radians, separated by commas.

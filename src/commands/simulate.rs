@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use xcscr::ErrorKind;
 use xcscr::drive::{SimulateOptions, SimulatedRobot};
-use xcscr::trial::Settings;
+use xcscr::trial::{RobotProfile, ScanOrder, Settings};
 use xcscr::world::Maze;
 
 use super::choices::{self, SettingsArgs};
@@ -51,6 +51,16 @@ fn factor(text: &str) -> Result<f64, String> {
     }
 }
 
+impl SimulateArgs {
+    /// Returns the order in which the driver of the robot's lidar lists the beams.
+    fn scan_order(&self) -> Result<ScanOrder, Failure> {
+        let profile = self.settings.robot.as_deref().map(RobotProfile::load);
+        Ok(profile
+            .transpose()?
+            .map_or(ScanOrder::Forward, |it| it.scan_order()))
+    }
+}
+
 /// Simulates until Ctrl-C.
 pub fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let maze = choices::world(&args.world)?;
@@ -60,6 +70,7 @@ pub fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let options = SimulateOptions {
         node: args.node.options()?,
         stamped: args.stamped,
+        scan_order: args.scan_order()?,
         realtime_factor: args.realtime_factor,
         steps: args
             .seconds

@@ -1,7 +1,7 @@
 //! The state machine that drives a robot with a policy.
 
 use nalgebra::Isometry2;
-use xcscr_sensing::Readings as StepOfSensors;
+use xcscr_sensing::{Readings as StepOfSensors, Return};
 
 use super::fault::{Fault, Mislocalised};
 use super::given::{Given, PoseSource};
@@ -23,6 +23,19 @@ use xcs::random::Stream;
 /// The number of lidar turns before the first decision.
 const TURNS_BEFORE_START: f64 = 2.0;
 
+/// A step of the onboard computer.
+#[derive(Debug)]
+pub(super) struct Sensed {
+    /// The end of the step, in nanoseconds of the robot's clock.
+    pub end_ns: u64,
+    /// The distances rolled by the left and the right wheel, in metres.
+    pub rolled_m: [f64; 2],
+    /// The beams of the step.
+    pub beams: Vec<Return>,
+    /// The estimated pose at the end of the step, in the grid frame.
+    pub pose: Isometry2<f64>,
+}
+
 /// Drives a robot with a policy: sensor readings in, commands out. Independent of ROS.
 pub struct Driver {
     setup: DriveSetup,
@@ -42,6 +55,8 @@ pub struct Driver {
     decisions: u32,
     action: Option<Action>,
     has_scan: bool,
+    /// What the onboard computer processed in the last step of the driver.
+    sensed: Vec<Sensed>,
     /// The first final fault.
     last_fault: Option<Fault>,
 }
@@ -74,6 +89,7 @@ impl Driver {
             decisions: 0,
             action: None,
             has_scan: false,
+            sensed: Vec::new(),
             last_fault: None,
             setup,
         }
@@ -82,6 +98,11 @@ impl Driver {
     /// Returns the maze of the drive.
     pub fn maze(&self) -> &Maze {
         &self.setup.maze
+    }
+
+    /// Returns what the onboard computer processed in the last step of the driver.
+    pub(super) fn sensed(&self) -> &[Sensed] {
+        &self.sensed
     }
 
     /// Keeps the robot at rest from now on.
@@ -94,6 +115,7 @@ impl Driver {
     ///
     /// Call this when readings arrive, and at least every 50 ms.
     pub fn step(&mut self, steady_ns: u64, readings: &Readings) -> DriverStep {
+        self.sensed.clear();
         let watched = self.watch.step(steady_ns, readings);
         let mut faults = self.take_outside(steady_ns, readings);
         self.take_in(&watched);
@@ -185,6 +207,12 @@ impl Driver {
                 .step(maze, &pose, &moved, &readings.beams, range_m);
             let now = self.localisation.check(maze, &pose, &covariance);
             self.note(turn.or(now));
+            self.sensed.push(Sensed {
+                end_ns: self.timeline.time_ns(),
+                rolled_m: readings.rolled_m,
+                beams: readings.beams,
+                pose,
+            });
         }
     }
 

@@ -38,7 +38,7 @@ pub enum Fault {
     /// The last beam of a scan is this many seconds newer than odometry.
     #[error(
         "the last beam of /scan is {0:.2} s newer than /odom; if the stamp is that of the last beam, pass \
-         --reversed-scans"
+         --scan-order reversed"
     )]
     ScanAhead(f64),
     /// This share of a scan's ranges is not a number.

@@ -16,6 +16,7 @@
 
 mod bag;
 mod checks;
+mod compare;
 mod driver;
 mod fault;
 mod given;
@@ -36,11 +37,12 @@ pub use bag::{DriveBag, DriveRecording};
 #[cfg(feature = "ros2")]
 pub(crate) use bag::{drive_messages, messages};
 pub use checks::Frames;
+pub use compare::{Compared, Found, compare};
 pub use driver::Driver;
 pub use fault::{Fault, Mislocalised};
 pub use given::PoseSource;
 pub use options::{DriverOptions, NodeOptions, SimulateOptions};
-pub use readings::{Imu, JointAngles, Network, Odometry, Readings, Scan, ScanOrder, Transform};
+pub use readings::{Imu, JointAngles, Network, Odometry, Readings, Scan, Transform};
 pub use setup::{DriveOptions, DriveSetup};
 pub use simulated::{SimulatedReadings, SimulatedRobot};
 pub use step::{Belief, Decision, DriverStep, Phase};

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Isometry2, Isometry3};
 
 use crate::arena::{LidarParams, Speeds};
+use crate::trial::ScanOrder;
 
 /// A turn of the lidar (`sensor_msgs/msg/LaserScan`).
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -59,34 +60,47 @@ impl Scan {
     /// Returns the scan in chronological order.
     #[must_use]
     pub fn in_order(&self, order: ScanOrder) -> Self {
-        let last = self.ranges_m.len().saturating_sub(1) as f64;
-        let turn_ns = match order {
-            ScanOrder::Forward => return self.clone(),
-            ScanOrder::Reversed => (last * self.time_increment_s.max(0.0) * 1e9).round() as u64,
-            ScanOrder::ReversedFromFirst => 0,
-        };
+        match order {
+            ScanOrder::Forward => self.clone(),
+            ScanOrder::Reversed => Self {
+                stamp_ns: self.stamp_ns.saturating_sub(self.turn_ns()),
+                ..self.backward()
+            },
+            ScanOrder::ReversedFromFirst => self.backward(),
+        }
+    }
+
+    /// Returns a scan in chronological order as a driver lists it.
+    #[must_use]
+    pub fn listed(&self, order: ScanOrder) -> Self {
+        match order {
+            ScanOrder::Forward => self.clone(),
+            ScanOrder::Reversed => Self {
+                stamp_ns: self.stamp_ns.saturating_add(self.turn_ns()),
+                ..self.backward()
+            },
+            ScanOrder::ReversedFromFirst => self.backward(),
+        }
+    }
+
+    /// Returns the number of beams after the first.
+    fn after_first(&self) -> f64 {
+        self.ranges_m.len().saturating_sub(1) as f64
+    }
+
+    /// Returns the time from the first beam to the last in nanoseconds.
+    fn turn_ns(&self) -> u64 {
+        (self.after_first() * self.time_increment_s.max(0.0) * 1e9).round() as u64
+    }
+
+    fn backward(&self) -> Self {
         Self {
-            stamp_ns: self.stamp_ns.saturating_sub(turn_ns),
-            angle_min_rad: self.angle_min_rad + last * self.angle_increment_rad,
+            angle_min_rad: self.angle_min_rad + self.after_first() * self.angle_increment_rad,
             angle_increment_rad: -self.angle_increment_rad,
             ranges_m: self.ranges_m.iter().rev().copied().collect(),
             ..self.clone()
         }
     }
-}
-
-/// The order in which scans list their beams.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum ScanOrder {
-    /// From the first to the last. The stamp is the time of the first.
-    #[default]
-    Forward,
-    /// From the last to the first. The stamp is the time of the last. The drivers of the LDS-01, LDS-02
-    /// and LDS-03 do so.
-    Reversed,
-    /// From the last to the first. The stamp is the time of the first. The driver of the RPLIDAR does
-    /// so.
-    ReversedFromFirst,
 }
 
 /// The pose of a frame in its parent (`geometry_msgs/msg/TransformStamped`).

@@ -6,12 +6,11 @@ use xcscr_sensing::PUT_DOWN;
 
 use super::checks::Frames;
 use super::given::PoseSource;
-use super::readings::ScanOrder;
 use super::wheels::Wheels;
 use crate::agent::Knowledge;
 use crate::arena::{ArenaKind, Localisation, PhysicsParams, check_fit};
 use crate::sensor::Sensor;
-use crate::trial::{Plan, RobotProfile};
+use crate::trial::{Plan, RobotProfile, ScanOrder};
 use crate::world::{Maze, Moves};
 use crate::{Error, ErrorKind};
 
@@ -48,8 +47,8 @@ pub struct DriveOptions {
     pub laser: Option<[f64; 3]>,
     /// The expected frames of messages.
     pub frames: Frames,
-    /// The order in which scans list their beams.
-    pub scan_order: ScanOrder,
+    /// The order in which scans list their beams; `None` for that of the profile in `robot`.
+    pub scan_order: Option<ScanOrder>,
     /// Where the pose of the robot comes from.
     pub source: PoseSource,
     /// The deviations of the start pose: in metres, and in radians. `None` for a centimetre and 0.6
@@ -68,6 +67,7 @@ impl DriveSetup {
     pub fn new(plan: &Plan, knowledge: &Knowledge, options: DriveOptions) -> Result<Self, Error> {
         let config = &plan.config;
         let physics = robot(plan, options.robot.as_ref())?;
+        let profile_order = options.robot.as_ref().map(RobotProfile::scan_order);
         let trained = &plan.maze;
         let maze = options.world.unwrap_or_else(|| trained.clone());
         let maze = maze.for_robot(physics.needed_m()).unwrap_or(maze);
@@ -105,7 +105,7 @@ impl DriveSetup {
             start_in_grid: start(&maze, options.start)?,
             laser_in_base: options.laser.map(pose),
             frames: options.frames,
-            scan_order: options.scan_order,
+            scan_order: options.scan_order.or(profile_order).unwrap_or_default(),
             source: options.source,
             start_tolerance: tolerance(&maze, options.start_tolerance)?,
             wheels: options.wheels.map(checked).transpose()?,

@@ -77,6 +77,11 @@ impl SimulatedRobot {
         self.robot.maze().pose_in_map(self.robot.pose())
     }
 
+    /// Returns the settings of the robot.
+    pub fn physics(&self) -> &PhysicsParams {
+        self.robot.params()
+    }
+
     /// Moves the robot to a pose of the grid frame without any sensor reading.
     pub fn kidnap(&mut self, pose: Isometry2<f64>) {
         self.robot.put_down(pose);

@@ -46,7 +46,8 @@ pub struct Decision {
 }
 
 /// The phase of a drive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, strum::IntoStaticStr)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Phase {
     /// Waiting for the first scan and odometry.
     Waiting,

@@ -5,9 +5,10 @@ use nalgebra::Isometry2;
 use super::checks::{Checks, of_stamps};
 use super::fault::Fault;
 use super::mounting::{MountedScan, Mounting};
-use super::readings::{Imu, Odometry, Readings, Scan, ScanOrder};
+use super::readings::{Imu, Odometry, Readings, Scan};
 use super::setup::DriveSetup;
 use super::timeline::beam_time_ns;
+use crate::trial::ScanOrder;
 
 const SECOND_NS: f64 = 1e9;
 /// The maximum age of odometry in nanoseconds: three control periods.

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use ros2_client::{Publisher, Subscription};
 use serde::de::DeserializeOwned;
 
+use super::diagnostics::{DiagnosticArray, Diagnostics};
 use super::latency::Latency;
 use super::link::{Link, STAMPED, TWIST, best_effort, drain, latched, reliable};
 use super::velocity::Velocity;
@@ -73,6 +74,8 @@ struct DriveNode {
     pose: Publisher<EstimatedPose>,
     decision: Publisher<Text>,
     fault: Publisher<Text>,
+    diagnostics: Publisher<DiagnosticArray>,
+    state: Diagnostics,
     clock_ns: Option<u64>,
     network: Network,
     looked: Option<Instant>,
@@ -124,6 +127,12 @@ impl DriveNode {
             pose: link.publisher("xcscr/pose", pose, &reliable())?,
             decision: link.publisher("xcscr/decision", text, &reliable())?,
             fault: link.publisher("xcscr/fault", text, &reliable())?,
+            diagnostics: link.publisher(
+                "/diagnostics",
+                ["diagnostic_msgs", "DiagnosticArray"],
+                &reliable(),
+            )?,
+            state: Diagnostics::default(),
             clock_ns: None,
             network: Network::default(),
             looked: None,
@@ -188,7 +197,7 @@ impl DriveNode {
         self.clock_ns.unwrap_or_else(unix_ns)
     }
 
-    fn publish(&self, step: &DriverStep) -> Result<(), Error> {
+    fn publish(&mut self, step: &DriverStep) -> Result<(), Error> {
         if let Some(cmd_vel) = &self.cmd_vel {
             cmd_vel.publish(self.now_ns(), step.command)?;
         }
@@ -202,6 +211,9 @@ impl DriveNode {
         }
         if let Some(decision) = &step.decision {
             let _ = self.decision.publish(Text::new(decision.words.clone()));
+        }
+        if let Some(message) = self.state.of(self.now_ns(), step) {
+            let _ = self.diagnostics.publish(message);
         }
         Ok(())
     }

@@ -53,12 +53,14 @@ pub const STAMPED: [&str; 2] = ["geometry_msgs", "TwistStamped"];
 pub struct Link {
     context: Context,
     node: Node,
-    namespace: String,
+    options: NodeOptions,
 }
 
 impl Link {
     /// Opens a node with a name.
     pub fn open(name: &str, options: &NodeOptions) -> Result<Self, Error> {
+        let other = options.remaps.iter().find(|(from, _)| from == "__node");
+        let name = other.map_or(name, |(_, to)| to);
         let what = || format!("the node `{name}` in the namespace `{}`", options.namespace);
         let mut participant = DomainParticipantBuilder::new(options.domain);
         if options.localhost_only {
@@ -73,26 +75,16 @@ impl Link {
         Ok(Self {
             context,
             node,
-            namespace: options.namespace.clone(),
+            options: options.clone(),
         })
     }
 
     /// Returns the full name of a topic.
     fn name(&self, topic: &str) -> Result<Name, Error> {
-        let (folder, base) = topic.rsplit_once('/').unwrap_or(("", topic));
-        let namespace = match topic {
-            "clock" => "",
-            _ => self.namespace.trim_matches('/'),
-        };
-        let parts = [namespace, folder].map(|part| match part {
-            "" => String::new(),
-            part => format!("/{part}"),
-        });
-        let whole = match parts.concat() {
-            none if none.is_empty() => "/".to_owned(),
-            whole => whole,
-        };
-        Name::new(&whole, base).map_err(failed(format!("the topic `{topic}`")))
+        let full = self.options.topic(topic);
+        let (folder, base) = full.rsplit_once('/').unwrap_or(("", &full));
+        let folder = if folder.is_empty() { "/" } else { folder };
+        Name::new(folder, base).map_err(failed(format!("the topic `{full}`")))
     }
 
     /// Creates a topic with a message type.
@@ -133,10 +125,7 @@ impl Link {
 
     /// Returns the name of a topic in DDS.
     fn dds_name(&self, topic: &str) -> String {
-        match self.namespace.trim_matches('/') {
-            "" => format!("rt/{topic}"),
-            namespace => format!("rt/{namespace}/{topic}"),
-        }
+        format!("rt{}", self.options.topic(topic))
     }
 
     /// Returns the number of publishers on a topic other than `own`.

@@ -3,6 +3,8 @@
 //! The nodes use DDS in pure Rust. All decisions are made in [`crate::drive`]. This module contains
 //! the topics, their quality of service, and the loops that move messages.
 
+mod covariance;
+mod diagnostics;
 mod drive_node;
 mod latency;
 mod link;

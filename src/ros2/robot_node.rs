@@ -7,14 +7,16 @@ use nalgebra::Isometry2;
 use ros2_client::{Publisher, Subscription};
 use serde::Serialize;
 
+use super::covariance::DeadReckoning;
 use super::link::{Link, STAMPED, TWIST, best_effort, drain, reliable, transient_local};
 use crate::Error;
-use crate::arena::Speeds;
+use crate::arena::{PhysicsParams, Speeds};
 use crate::drive::drive_messages::{Clock, Imu, Twist, TwistStamped};
 use crate::drive::messages::{
     BASE, LASER, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, TRUE_BASE, Transforms,
 };
 use crate::drive::{self, SimulateOptions, SimulatedReadings, SimulatedRobot};
+use crate::trial::ScanOrder;
 use crate::world::Maze;
 
 /// The simulated time of a step.
@@ -57,6 +59,8 @@ struct RobotNode {
     tf: Publisher<Transforms>,
     tf_static: Publisher<Transforms>,
     map: Publisher<OccupancyGrid>,
+    scan_order: ScanOrder,
+    reckoning: DeadReckoning,
     cmd_vel: Commands,
 }
 
@@ -74,6 +78,8 @@ impl RobotNode {
             tf: link.publisher("tf", transforms, &reliable())?,
             tf_static: link.publisher("tf_static", transforms, &transient_local())?,
             map: link.publisher("map", ["nav_msgs", "OccupancyGrid"], &transient_local())?,
+            scan_order: options.scan_order,
+            reckoning: DeadReckoning::default(),
             cmd_vel: Commands::open(&mut link, options.stamped)?,
             _link: link,
         })
@@ -86,7 +92,13 @@ impl RobotNode {
         publish(&self.map, OccupancyGrid::new(0, maze));
     }
 
-    fn publish_readings(&self, readings: &SimulatedReadings, truth: &Isometry2<f64>) {
+    /// Publishes the readings of a step, and the true pose before and after it.
+    fn publish_readings(
+        &mut self,
+        readings: &SimulatedReadings,
+        [before, after]: &[Isometry2<f64>; 2],
+        physics: &PhysicsParams,
+    ) {
         let SimulatedReadings {
             time_ns,
             odometry,
@@ -94,22 +106,33 @@ impl RobotNode {
             scan,
         } = readings;
         publish(&self.clock, Clock::new(*time_ns));
-        publish(&self.odom, Odometry::from(odometry));
+        let mut message = Odometry::from(odometry);
+        [message.pose.covariance, message.twist.covariance] = self.reckoning.add(odometry, physics);
+        publish(&self.odom, message);
         let frames = [(ODOM, BASE, odometry.pose)];
         publish(&self.tf, Transforms::new(*time_ns, &frames));
+        let moved = before.inverse() * after;
         let truth = drive::Odometry {
             stamp_ns: *time_ns,
             frame: MAP.to_owned(),
             child_frame: TRUE_BASE.to_owned(),
-            pose: *truth,
-            speeds: Speeds::default(),
+            pose: *after,
+            speeds: Speeds {
+                forward_mps: moved.translation.x / STEP.as_secs_f64(),
+                turn_radps: moved.rotation.angle() / STEP.as_secs_f64(),
+            },
         };
         publish(&self.truth, Odometry::from(&truth));
         if let Some(imu) = imu {
-            publish(&self.imu, Imu::from(imu));
+            let mut message = Imu::from(imu);
+            let gyro = &physics.gyro;
+            // The last entry is that of the rotation about z.
+            message.angular_velocity_covariance[8] =
+                (physics.noise * gyro.noise_radps.hypot(gyro.bias_radps)).powi(2);
+            publish(&self.imu, message);
         }
         if let Some(scan) = scan {
-            publish(&self.scan, LaserScan::from(scan));
+            publish(&self.scan, LaserScan::from(&scan.listed(self.scan_order)));
         }
     }
 }
@@ -133,7 +156,7 @@ pub fn simulate(
     options: &SimulateOptions,
     stop: &dyn Fn() -> bool,
 ) -> Result<u64, Error> {
-    let node = RobotNode::open(options)?;
+    let mut node = RobotNode::open(options)?;
     node.publish_static(maze);
     let period = STEP.div_f64(options.realtime_factor);
     let mut due = Instant::now();
@@ -147,8 +170,9 @@ pub fn simulate(
             sleep(left.min(TICK));
             continue;
         }
+        let before = robot.true_pose();
         let readings = robot.step();
-        node.publish_readings(&readings, &robot.true_pose());
+        node.publish_readings(&readings, &[before, robot.true_pose()], robot.physics());
         steps += 1;
         // After a pause of this machine, continue from the current time.
         due = (due + period).max(Instant::now() - period);

@@ -8,11 +8,12 @@ use byteorder::LittleEndian;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::drive_messages::{Clock, Imu, JointState, Text, Twist};
+use super::drive_messages::{Clock, Imu, JointState, Text, Twist, TwistStamped};
 use super::messages::{EstimatedPose, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, Transforms};
 use super::topics::BagTopic;
 use super::writer::{ENCAPSULATION, RosWriter, encoded};
 use crate::Error;
+use crate::arena::Speeds;
 use crate::disk;
 use crate::drive::{DriverStep, Fault, Readings};
 use crate::record::{fault, records};
@@ -169,6 +170,8 @@ impl DriveBag {
 pub struct DriveRecording {
     /// The readings, by the time when they were recorded, in nanoseconds.
     pub readings: Vec<(u64, Readings)>,
+    /// The commands on `/cmd_vel`, by the time when they were recorded, in nanoseconds.
+    pub commands: Vec<(u64, Speeds)>,
     /// The decisions of the driver as text; empty in bags from other programs.
     pub decisions: Vec<String>,
 }
@@ -182,8 +185,8 @@ fn most_kept(size: usize) -> usize {
 }
 
 impl DriveRecording {
-    /// Reads `/scan`, `/odom`, `/imu`, `/joint_states`, `/initialpose`, `/tf`, `/tf_static` and `/clock`, in any namespace, from an MCAP file in the
-    /// encoding of ROS 2.
+    /// Reads `/scan`, `/odom`, `/imu`, `/joint_states`, `/initialpose`, `/tf`, `/tf_static`, `/clock` and
+    /// `/cmd_vel`, in any namespace, from an MCAP file in the encoding of ROS 2.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read, is damaged, or has other message types under
@@ -216,6 +219,14 @@ impl DriveRecording {
                      record fewer topics, such as without /clock"
                 )));
             }
+            let is_stamped = channel
+                .schema
+                .as_ref()
+                .is_some_and(|schema| schema.name.ends_with("Stamped"));
+            let topic = match topic {
+                "cmd_vel" if is_stamped => "cmd_vel_stamped",
+                topic => topic,
+            };
             let added = recording.add(topic, message.log_time, &message.data, &mut clock_ns);
             added.map_err(|cause| damaged(format!("{}: {cause}", channel.topic)))?;
         }
@@ -268,8 +279,13 @@ impl DriveRecording {
                 self.at(time_ns, *clock_ns);
             }
             // Add an entry for the call of the driver, even if no readings arrived.
-            "cmd_vel" => {
+            "cmd_vel" | "cmd_vel_stamped" => {
                 self.at(time_ns, *clock_ns);
+                let twist = match topic {
+                    "cmd_vel" => decoded::<Twist>(data)?,
+                    _ => decoded::<TwistStamped>(data)?.twist,
+                };
+                self.commands.push((time_ns, twist.into()));
             }
             "decision" => self
                 .decisions

@@ -134,7 +134,7 @@ pub type Covariance = [[f64; 6]; 6];
 pub const UNKNOWN: Covariance = [[0.0; 6]; 6];
 
 /// Returns the covariance of x, y and heading. All other entries are 0 for a robot on a floor.
-fn on_floor(of: &Matrix3<f64>) -> Covariance {
+pub fn on_floor(of: &Matrix3<f64>) -> Covariance {
     const INDICES: [usize; 3] = [0, 1, 5];
     let mut all = UNKNOWN;
     for (row, &index) in INDICES.iter().enumerate() {

@@ -68,3 +68,39 @@ fn a_bag_that_leads_to_no_decision_ends_with_an_error() {
         assert!(stderr.contains("led to no decision"), "{stderr}");
     }
 }
+
+#[test]
+fn a_drive_whose_robot_differs_ends_with_an_error_and_its_values_become_a_profile() {
+    let desk = Desk::new();
+    desk.train("run", "maze4 --arena physics --episodes 1 --record none");
+    write_bag(&desk, "same.mcap", 300, |_| ());
+    write_bag(&desk, "lossy.mcap", 300, |readings| {
+        for scan in &mut readings.scans {
+            scan.ranges_m
+                .iter_mut()
+                .step_by(7)
+                .for_each(|range| *range = f64::INFINITY);
+        }
+    });
+    let line = |bag: &str| {
+        format!(
+            "drive @run --bag @{bag}.mcap --compare --robot default --write-profile @{bag}.toml"
+        )
+    };
+    let (stdout, stderr) = desk.run(1, &line("lossy"));
+    assert!(
+        stdout.contains("physics.lidar.dropouts") && stdout.contains("differs"),
+        "{stdout}"
+    );
+    assert!(stderr.contains("1 of 9 values"), "{stdout}{stderr}");
+    let (profile, shown) = (desk.text("lossy.toml"), desk.ok("robot show @lossy.toml"));
+    let fitted = profile
+        .lines()
+        .find(|line| line.starts_with("physics.lidar.dropouts = 0."));
+    let (value, source) = fitted.unwrap().split_once(" #").unwrap();
+    assert!(shown.contains(value.trim()), "{shown}");
+    assert!(source.contains("fitted to "), "{source}");
+    let control = desk.ok(&line("same"));
+    assert!(!control.contains("differs"), "{control}");
+    desk.fails(73, &line("same"), "same.toml");
+}

@@ -1,6 +1,7 @@
 //! The driver and the simulated robot in lockstep.
 
 mod bags;
+mod compare;
 mod faults;
 mod lidars;
 mod localisers;
@@ -16,7 +17,7 @@ use xcscr::agent::Knowledge;
 use xcscr::arena::{Outcome, Speeds};
 use xcscr::drive::*;
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Plan, RobotProfile};
+use xcscr::trial::{Plan, RobotProfile, ScanOrder};
 use xcscr::world::{Cell, Maze, Paths};
 use xcscr::xcs::Action;
 

@@ -11,13 +11,8 @@ pub fn burger(seed: u64, options: DriveOptions) -> Rig {
 
 /// Creates a TurtleBot3 Burger in a world. Its lidar has a range of 3.5 m.
 pub fn burger_in(maze: Maze, seed: u64, options: DriveOptions) -> Rig {
-    rig_of("turtlebot3-burger", maze, seed, options)
-}
-
-/// Creates the robot of a profile in a world.
-pub fn rig_of(profile: &str, maze: Maze, seed: u64, options: DriveOptions) -> Rig {
     let (mut plan, knowledge) = policy(maze, |_| false);
-    let profile = RobotProfile::load(profile).unwrap();
+    let profile = RobotProfile::load("turtlebot3-burger").unwrap();
     plan.config.settings = profile.settings_over(&plan.config.settings).unwrap();
     let physics = plan.config.settings.physics.clone();
     let setup = DriveSetup::new(&plan, &knowledge, options).unwrap();
@@ -41,15 +36,9 @@ fn zeros(readings: &mut Readings) -> usize {
 }
 
 /// Lists the beams of a scan from the last to the first, with the time of the last one as the stamp.
-pub fn reverse(readings: &mut Readings) {
+fn reverse(readings: &mut Readings) {
     for scan in &mut readings.scans {
-        let after_first = (scan.ranges_m.len() - 1) as f64;
-        let turn_ns = after_first * scan.time_increment_s * 1e9;
-        let backward = scan.in_order(ScanOrder::ReversedFromFirst);
-        *scan = Scan {
-            stamp_ns: scan.stamp_ns + turn_ns.round() as u64,
-            ..backward
-        };
+        *scan = scan.listed(ScanOrder::Reversed);
     }
 }
 
@@ -101,7 +90,7 @@ fn scans_of_the_lds_01_need_an_option_and_reach_the_goal_with_it() {
     };
     for seed in 1..=3 {
         let options = DriveOptions {
-            scan_order: ScanOrder::Reversed,
+            scan_order: Some(ScanOrder::Reversed),
             ..DriveOptions::default()
         };
         let step = drive_with(&mut burger(seed, options), as_published);

@@ -27,7 +27,7 @@ pub use judge::{Judge, steps_to_goal};
 pub use plan::{Config, Plan, PlanError};
 pub use resolve::Resolved;
 pub use resolve::{FROM_MAZE, STEP_THRESHOLD, flatten, similar, value_of};
-pub use robot::{RobotError, RobotProfile};
+pub use robot::{RobotError, RobotProfile, ScanOrder};
 pub use settings::Settings;
 pub use settings_error::{SettingOrigin, SettingsError};
 pub use toml_text::{MOST_TOML_BYTES, shortened};

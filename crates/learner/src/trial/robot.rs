@@ -34,11 +34,38 @@ const BUNDLED: [(&str, &str); 4] = [
     ),
 ];
 
+/// The order in which scans list their beams.
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    Default,
+    PartialEq,
+    Eq,
+    Deserialize,
+    strum::VariantArray,
+    strum::IntoStaticStr,
+)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum ScanOrder {
+    /// From the first to the last. The stamp is the time of the first.
+    #[default]
+    Forward,
+    /// From the last to the first. The stamp is the time of the last. The drivers of the LDS-01, LDS-02
+    /// and LDS-03 do so.
+    Reversed,
+    /// From the last to the first. The stamp is the time of the first. The driver of the RPLIDAR does
+    /// so.
+    ReversedFromFirst,
+}
+
 /// The settings of one robot. Each value can name its source, such as a data sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotProfile {
     name: String,
     title: String,
+    scan_order: ScanOrder,
     /// Tables of settings, as in a settings file.
     settings: Table,
     /// The source of a value, by the full name of its setting.
@@ -50,6 +77,8 @@ pub struct RobotProfile {
 #[serde(deny_unknown_fields)]
 struct Document {
     title: String,
+    #[serde(default)]
+    scan_order: ScanOrder,
     #[serde(default)]
     physics: Table,
     #[serde(default)]
@@ -107,6 +136,7 @@ impl RobotProfile {
         let profile = Self {
             name: name.to_owned(),
             title: document.title,
+            scan_order: document.scan_order,
             settings,
             sources,
         };
@@ -124,9 +154,21 @@ impl RobotProfile {
         &self.title
     }
 
-    /// Returns the title as a TOML string.
-    pub fn title_toml(&self) -> String {
-        Value::String(self.title.clone()).to_string()
+    /// Returns the order in which the driver of the robot's lidar lists the beams of a scan.
+    pub fn scan_order(&self) -> ScanOrder {
+        self.scan_order
+    }
+
+    /// Returns the keys of the file that are no settings, as lines of TOML.
+    pub fn head_toml(&self) -> String {
+        let title = Value::String(self.title.clone());
+        match self.scan_order {
+            ScanOrder::Forward => format!("title = {title}\n"),
+            order => format!(
+                "title = {title}\nscan_order = \"{}\"\n",
+                <&str>::from(order)
+            ),
+        }
     }
 
     /// Returns each setting of the robot with its value as written in TOML, and its source where given.

@@ -22,7 +22,7 @@ pub use physics::check_fit;
 pub use physics::{
     Agreement, BumperParams, CautiousDriving, CautiousParams, EncoderParams, EstimatorParams,
     FaultParams, GyroParams, LidarParams, Localisation, PhysicsArena, PhysicsError, PhysicsParams,
-    Pilot, Robot, Speeds, WheelDrive,
+    Pilot, Robot, Speeds, WheelDrive, rolled_by,
 };
 pub use sensed::{Beam, Estimate, LocalMap, Sensed};
 

@@ -53,6 +53,7 @@ pub use params::{Localisation, PhysicsParams};
 pub use pilot::Pilot;
 pub use robot::Robot;
 pub use wheel_drive::WheelDrive;
+pub use wheels::rolled_by;
 pub use xcscr_sensing::{
     BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams,
 };

@@ -4,7 +4,7 @@ use nalgebra::{Complex, Isometry2, Translation2, UnitComplex, Vector2};
 use rapier2d::prelude::{RigidBody, Vector};
 
 use super::STEP_S;
-use super::motion::Motion;
+use super::motion::{Motion, Speeds};
 use super::params::{PhysicsParams, grip_mps2};
 
 /// Time constant of the motors in s.
@@ -24,6 +24,20 @@ pub(super) fn true_motion(body: &RigidBody) -> Motion {
         sideways_mps: y * heading.re - x * heading.im,
         turn_radps: f64::from(body.angvel()),
     }
+}
+
+/// Returns how far the left and the right wheel roll in each step of 50 ms, in metres, while the motors
+/// follow one command a step. The wheels start at rest.
+pub fn rolled_by(
+    commands: impl IntoIterator<Item = Speeds>,
+    params: &PhysicsParams,
+) -> Vec<[f64; 2]> {
+    let mut wheels = Wheels::default();
+    let mut rolled = |speeds: Speeds| {
+        wheels.follow(speeds.limited(params).rims_mps(params), params);
+        wheels.speed_mps.map(|speed| speed * STEP_S)
+    };
+    commands.into_iter().map(&mut rolled).collect()
 }
 
 /// The left and the right wheel.
