@@ -24,13 +24,29 @@ pub struct Study {
     fault: Fault,
 }
 
-/// Ends the study after the running trials when there is an exception.
-struct Watcher(Fault);
+/// Reports the progress to Python, and ends the study after the running trials when there is an exception.
+struct Watcher {
+    fault: Fault,
+    /// Called with the numbers of finished trials and of all trials of this call.
+    progress: Option<Py<PyAny>>,
+    finished: usize,
+    trials: usize,
+}
 
 impl StudyWatcher for Watcher {
+    fn begins(&mut self, trials: usize) {
+        self.trials = trials;
+    }
+
     fn finished(&mut self, _: &TrialRecord) -> ControlFlow<()> {
-        check_signals(&self.0);
-        match self.0.is_set() {
+        self.finished += 1;
+        check_signals(&self.fault);
+        if let Some(progress) = &self.progress {
+            let counts = (self.finished, self.trials);
+            let called = Python::attach(|py| progress.call1(py, counts).map(drop));
+            called.unwrap_or_else(|error| self.fault.set(error));
+        }
+        match self.fault.is_set() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }
@@ -45,6 +61,7 @@ fn check_signals(fault: &Fault) {
 }
 
 /// Runs a study file with agents of Python in addition, and compares `reference` with each other method. Writes tables, report and figures to the folder `out`.
+/// Calls `progress` after each trial.
 #[pyfunction]
 pub fn run_study(
     py: Python<'_>,
@@ -53,6 +70,7 @@ pub fn run_study(
     reference: Option<&str>,
     out: PathBuf,
     jobs: usize,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<Study> {
     let file = StudyFile::parse(text, ORIGIN, Path::new(""));
     let protocol = file.and_then(|file| Protocol::new(&file, &Overrides::default()));
@@ -70,7 +88,13 @@ pub fn run_study(
         study = study.reference(reference).map_err(invalid)?;
     }
     warn(py, study.protocol().arm_plans())?;
-    let ran = py.detach(|| study.run(&out, jobs, &mut Watcher(fault.clone())));
+    let mut watcher = Watcher {
+        fault: fault.clone(),
+        progress,
+        finished: 0,
+        trials: 0,
+    };
+    let ran = py.detach(|| study.run(&out, jobs, &mut watcher));
     fault.check()?;
     let folder = ran.map_err(invalid)?;
     refuse_failed(&folder)?;

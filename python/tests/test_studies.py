@@ -117,6 +117,53 @@ def test_names_of_worlds_and_agents_stay_text_in_every_table(tmp_path, name):
     assert {arm["world"] for arm in json.loads((result.folder / "summary.json").read_text())["arms"]} == {"maze4", name}
 
 
+def test_a_summary_has_the_numbers_of_the_trials_and_becomes_a_table_of_latex():
+    result = study(["q-learning", QLearning])
+    summary, trials = result.summary(), result.trials()
+    assert list(summary["method"]) == ["q-learning", "qlearning"] * 2 or list(summary["world"]) == ["maze4", "maze4", "maze5", "maze5"]
+    for _, row in summary.iterrows():
+        own = trials[(trials["world"] == row["world"]) & (trials["method"] == row["method"])]
+        assert (row["trials"], row["successes"]) == (3, own["first_optimal_episode"].notna().sum())
+    latex = summary[["world", "method", "successes"]].to_latex(index=False)
+    assert "\\toprule" in latex and "maze5 & qlearning & " in latex
+
+
+def test_curves_count_the_trials_that_are_optimal_after_so_many_environment_steps():
+    result = study(["xcs", "q-learning"])
+    curves, episodes = result.curves(points=30), result.episodes()
+    assert set(curves["world"]) == set(WORLDS) and set(curves["method"]) == {"xcs", "q-learning"}
+    for _, row in curves.iterrows():
+        solved = 0
+        for _, trial in episodes[(episodes["world"] == row["world"]) & (episodes["method"] == row["method"])].groupby("trial"):
+            steps = is_optimal = 0
+            for one, optimal in zip(trial["steps"], trial["optimal"], strict=True):
+                steps += one
+                is_optimal = optimal if steps <= row["steps"] else is_optimal
+            solved += is_optimal
+        assert row["optimal"] == solved / 3
+        assert row["low"] <= row["optimal"] <= row["high"]
+    last = curves.groupby(["world", "method"]).last()["optimal"]
+    retained = result.trials().groupby(["world", "method"])["retained"].mean()
+    assert last.to_dict() == retained.to_dict() and curves["optimal"].nunique() > 2
+    # By hand: Wilson's interval of 0 of 3 ends at z^2 / (3 + z^2).
+    none = curves[curves["optimal"] == 0.0].iloc[0]
+    assert none["low"] == 0.0 and none["high"] == pytest.approx(1.96**2 / (3 + 1.96**2))
+
+
+def test_progress_counts_the_trials_of_a_call_and_its_exception_ends_the_study(tmp_path):
+    calls = []
+    study(["q-learning"], worlds=["maze4"], out=tmp_path / "own", progress=lambda *counts: calls.append(counts))
+    assert calls == [(1, 3), (2, 3), (3, 3)]
+    study(["q-learning"], worlds=["maze4"], trials=5, out=tmp_path / "own", progress=lambda *counts: calls.append(counts))
+    assert calls[3:] == [(1, 2), (2, 2)]
+
+    def broken(done, trials):
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        study(["q-learning"], progress=broken)
+
+
 def test_results_do_not_depend_on_the_number_of_threads_and_a_folder_resumes(tmp_path):
     one = study(["q-learning", QLearning], out=tmp_path / "one", jobs=1).trials()
     many = study(["q-learning", QLearning], out=tmp_path / "many", jobs=4).trials()

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
 from typing import Any, final
@@ -135,7 +136,14 @@ class Wheels:
     @property
     def max_speed(self) -> float: ...
 
-def run_study(text: str, agents: list[tuple[str, Any]], reference: str | None, out: str, jobs: int) -> Study: ...
+def run_study(
+    text: str,
+    agents: list[tuple[str, Any]],
+    reference: str | None,
+    out: str,
+    jobs: int,
+    progress: Callable[[int, int], object] | None,
+) -> Study: ...
 def train(choice: dict[str, Any], method: str, episodes: int) -> Trained: ...
 def verify_recording(file: str | PathLike[str]) -> str | None: ...
 def bundled_worlds() -> list[str]: ...

@@ -65,12 +65,42 @@ class Study:
             self._native.write_episodes(self._jobs)
         return _table(table)
 
+    def summary(self) -> Any:
+        """A pandas frame with a row for each method in each world: the numbers of the report. `to_latex` writes a frame as
+        a table for a paper.
+        """
+        import pandas  # type: ignore[import-untyped]
+
+        return pandas.DataFrame(json.loads((self.folder / "summary.json").read_text(encoding="utf-8"))["arms"])
+
+    def curves(self, points: int = 100) -> Any:
+        """Learning curves over environment steps: a pandas frame with a row for each world, method and number of steps.
+
+        `optimal` is the share of trials whose greedy policy is globally optimal after so many steps, and `low` and `high`
+        are the limits of its 95 % interval (Wilson). After its last episode, a trial counts with its last policy. The
+        numbers of steps are at most `points`, evenly spaced on a logarithmic scale.
+        """
+        import pandas
+
+        points = checks.whole("points", points, 2)
+        rows = []
+        for world, of_world in self.episodes().groupby("world", sort=False):
+            of_world = of_world.assign(end=of_world.groupby(["method", "trial"], sort=False)["steps"].cumsum())
+            steps = numpy.unique(numpy.geomspace(1, of_world["end"].max(), points).round().astype(int))
+            for method, of_method in of_world.groupby("method", sort=False):
+                trials = [trial for _, trial in of_method.groupby("trial")]
+                solved = sum(_optimal_at(steps, trial["end"].to_numpy(), trial["optimal"].to_numpy()) for trial in trials)
+                low, high = _wilson(solved, len(trials))
+                columns = {"steps": steps, "optimal": solved / len(trials), "low": low, "high": high}
+                rows.append(pandas.DataFrame({"world": world, "method": method} | columns))
+        return pandas.concat(rows, ignore_index=True)
+
     def report(self) -> str:
         """The report as text. `folder / "report.html"` has the figures."""
         return self._native.report()
 
     def scores(self, score: Callable[[Any], Any] | None = None) -> dict[str, Any]:
-        """The scores as `rliable` reads them: for each method an array of runs x worlds.
+        """For each method an array of scores with a row for each trial and a column for each world, as `rliable` reads them.
 
         `score` maps the frame of `episodes()` of one trial to a number. By default it is the share of episodes after
         which the greedy policy is globally optimal. A trial that failed has NaN.
@@ -88,9 +118,22 @@ class Study:
         return f"<study in {self.folder}>"
 
 
+def _optimal_at(steps: Any, ends: Any, optimal: Any) -> Any:
+    """Returns for each number of steps whether the policy is optimal by then, from the steps at which episodes ended."""
+    episode = numpy.searchsorted(ends, steps, side="right") - 1
+    return (episode >= 0) & optimal[episode]
+
+
+def _wilson(successes: Any, trials: int) -> tuple[Any, Any]:
+    """Returns the limits of Wilson's 95 % interval of a share."""
+    z = 1.96
+    middle, width = successes + z * z / 2, z * numpy.sqrt(successes * (trials - successes) / trials + z * z / 4)
+    return (middle - width) / (trials + z * z), (middle + width) / (trials + z * z)
+
+
 def _table(path: Path) -> Any:
     """Reads a table of a study. Names stay text, even `001`, `nan` and `1e5`."""
-    import pandas  # type: ignore[import-untyped]
+    import pandas
 
     columns = pandas.read_csv(path, nrows=0).columns
     empty = {column: [""] for column in columns if column not in TEXTS}
@@ -110,18 +153,20 @@ def study(
     seed: int = 1,
     out: str | os.PathLike[str] | None = None,
     jobs: int = 0,
+    progress: Callable[[int, int], object] | None = None,
 ) -> Study:
     """Runs paired trials of each method in each world, and compares them.
 
     `methods` are names (`xcscr.methods()`) and your own agents: see `xcscr.studies.Agent`. An agent is a class, or a pair
     of a name and a function that builds the agent, such as `("slow", functools.partial(MyAgent, rate=0.1))`. Trial n has
     the same seed for all methods. The report compares `reference`, one of the methods, with each other one; by default
-    it is `xcscr-plus`, or else `xcscr`, or else the last method.
+    it is `xcscr-plus`, or else `xcscr`, or else your last agent, or else the last method.
 
     `out` keeps the study in a folder, and the same call resumes it there. A call with more trials, methods or worlds
-    adds them to the study. Choose another folder when the code of an agent has changed: one trial of each agent is repeated, and another result than
-    the stored one raises ValueError. `jobs` is the number of threads, 0 for all cores; the results
-    do not depend on it.
+    adds them to the study. Choose another folder when the code of an agent has changed: one trial of each agent is
+    repeated, and another result than the stored one raises ValueError. `jobs` is the number of threads, 0 for all
+    cores; the results do not depend on it. After each trial, `progress` is called with the number of finished trials
+    and the number of trials that this call runs.
     """
     if isinstance(methods, Iterable) and not isinstance(methods, str):
         methods = list(methods)
@@ -135,7 +180,7 @@ def study(
     temporary = tempfile.TemporaryDirectory(prefix="xcscr-study-") if out is None else None
     folder = Path(temporary.name if temporary else out or "")
     try:
-        native = _native.run_study(text, agents, reference, str(folder), jobs)
+        native = _native.run_study(text, agents, reference, str(folder), jobs, progress)
     except BaseException:
         if temporary:
             temporary.cleanup()

@@ -186,14 +186,6 @@ pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
         }
         false => "",
     };
-    let is_open = |arm: &ArmSummary| !arm.needs_memory && arm.successes < arm.trials;
-    let open = match arms.iter().any(is_open) {
-        true if hopeless.is_empty() => {
-            " Trials that are not solved might be solved with more episodes."
-        }
-        true => " Other trials that are not solved might be solved with more episodes.",
-        false => "",
-    };
     let lost: u64 = arms
         .iter()
         .map(|arm| arm.successes.saturating_sub(arm.retained))
@@ -208,6 +200,6 @@ pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
     };
     format!(
         "These numbers hold for these worlds, percepts and settings, and for {episodes} episodes.\
-         {hopeless}{open}{retained}{failed}"
+         {hopeless}{retained}{failed}"
     )
 }
