@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Prints aggregates of a study over its worlds, as rliable defines them (Agarwal et al. 2021).
 
-    python3 assets/results/aggregate.py FOLDER/trials.csv [--score path|retained|solved] [--reference METHOD]
+    python3 assets/results/aggregate.py FOLDER [--score path|retained|solved] [--reference METHOD]
 
 For each method: the interquartile mean of the scores of all its trials, and the performance profile, which is the share
 of trials with at least a score. For the reference: the probability that its score is higher than that of each other
@@ -13,6 +13,7 @@ share of its steps there.
 import argparse
 import csv
 import random
+from pathlib import Path
 from statistics import mean
 
 RESAMPLES = 2_000
@@ -51,10 +52,10 @@ def bootstrap(statistic, *methods):
     return statistic(*methods), values[RESAMPLES // 40], values[-1 - RESAMPLES // 40]
 
 
-def read(path, score):
+def read(folder, score):
     """The scores of each method and variant in the worlds that all share, these worlds, and the trials without a score."""
     methods, missing = {}, {}
-    with open(path, newline="") as file:
+    with open(folder / "trials.csv", newline="") as file:
         for row in csv.DictReader(file):
             world = " ".join(row[key] for key in ("world", "arena", "sensor"))
             name = f"{row['method']} {row['variant']}".strip()
@@ -64,7 +65,7 @@ def read(path, score):
             else:
                 missing[name] = missing.get(name, 0) + 1
     if not methods:
-        raise SystemExit(f"{path} has no trials")
+        raise SystemExit(f"{folder} has no trials")
     shared = [world for world in next(iter(methods.values())) if all(own.get(world) for own in methods.values())]
     return {name: [own[world] for world in shared] for name, own in methods.items()}, shared, missing
 
@@ -84,11 +85,13 @@ def check():
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    arguments.add_argument("trials", help="the file trials.csv of a study")
+    arguments.add_argument("folder", type=Path, help="the folder of a study")
     arguments.add_argument("--score", choices=SCORES, default="path")
     arguments.add_argument("--reference", help="the method to compare with the others [default: the first]")
     options = arguments.parse_args()
-    methods, worlds, missing = read(options.trials, options.score)
+    if not (options.folder / "trials.csv").exists():
+        arguments.error(f"{options.folder} has no trials.csv: it is not the folder of a finished study")
+    methods, worlds, missing = read(options.folder, options.score)
     reference = options.reference or next(iter(methods))
     if reference not in methods or not worlds:
         arguments.error(f"give a reference of {', '.join(methods)}, and a study with scores in a world that all of them share")
