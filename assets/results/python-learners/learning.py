@@ -4,6 +4,8 @@ pip install "./python[sklearn]" minigrid "gymnasium[toy-text]"
 python assets/results/python-learners/learning.py                 # writes learning.json; started again, it goes on
 python assets/results/python-learners/learning.py --table         # prints its tables
 
+`--methods "q-learning 0.5 0.1"` is Q-learning with this learning rate and share of random actions.
+
 A greedy policy is tested every so many steps, in episodes of its own. A run ends when two tests in a row reach the best
 return less a tenth of its absolute value; the first of them counts. A run that does not is one that failed.
 """
@@ -107,21 +109,12 @@ def xcs(env, seed):
     return xcscr.XCS.for_env(env, seed=seed)
 
 
-def untuned_xcs(env, seed):
-    import xcscr
-
-    # epsilon_0 is 1 % of the greatest reward, which is 20 in Taxi and at most 1 elsewhere. Costs of 100 are ignored.
-    greatest = 20.0 if env.spec.id.startswith("Taxi") else 1.0
-    p_hash = 0.95 if env.observation_space.shape[0] > 100 else 0.5
-    arguments = {"p_explore": 0.3, "epsilon_0": greatest / 100, "population_size": 5000, "theta_ga": 25, "theta_sub": 20}
-    return xcscr.XCS.for_env(env, p_hash=p_hash, seed=seed, **arguments)
-
-
 def create(method, env, seed):
     actions = int(env.action_space.n)
-    if method == "q-learning":
-        return QLearning(actions, seed)
-    return Ours({"plus": plus, "plus, tries=40": patient_plus, "xcs": xcs, "xcs, untuned": untuned_xcs}[method](env, seed), actions, seed)
+    name, *settings = method.split(" ")
+    if name == "q-learning":
+        return QLearning(actions, seed, *map(float, settings))
+    return Ours({"plus": plus, "plus, tries=40": patient_plus, "xcs": xcs}[method](env, seed), actions, seed)
 
 
 def tested(agent, env, episodes):
@@ -201,7 +194,7 @@ def table(rows):
     print("| environment | learner | runs | reached | steps, median | quartiles | return / best | CPU s | rules |")
     print("|---|---|---|---|---|---|---|---|---|")
     for problem in BUDGETS:
-        for method in ["plus", "plus, tries=40", "xcs", "xcs, untuned", "q-learning", "ppo"]:
+        for method in sorted({row["method"] for row in rows}):
             own = [row for row in rows if (row["problem"], row["method"]) == (problem, method)]
             if not own:
                 continue
@@ -229,13 +222,14 @@ def main():
     parser.add_argument("--only", nargs="*", default=list(BUDGETS), help="these environments")
     parser.add_argument("--methods", nargs="*", default=["plus", "plus, tries=40", "xcs", "q-learning"])
     parser.add_argument("--runs", type=int, default=RUNS, help="the runs of each")
+    parser.add_argument("--first", type=int, default=1, help="the seed of the first run")
     parser.add_argument("--file", type=Path, default=FILE, help="results, to which rows are added")
     given = parser.parse_args()
     rows = read(given.file)
     if given.table:
         return table(rows)
     done = {(row["method"], row["problem"], row["seed"]) for row in rows}
-    for seed in range(1, given.runs + 1):
+    for seed in range(given.first, given.first + given.runs):
         for problem in given.only:
             for method in given.methods:
                 if (method, problem, seed) not in done:
