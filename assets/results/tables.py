@@ -199,7 +199,7 @@ def generated():
 
 
 def large():
-    head = ["world", "method", "trials", "solved", "steps until solved", "rules or pairs"]
+    head = ["world", "method", "trials", "solved", "steps until solved", "rules of [P] or pairs"]
     return table(head, [[f"`{arm['world']}`", f"`{arm['method']}`", arm["trials"], arm["successes"], f"{arm['iqm_env_steps']:.0f}", f"{arm['mean_rules']:.0f}"] for arm in arms("large")])
 
 
