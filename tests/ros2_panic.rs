@@ -29,6 +29,7 @@ fn a_panic_stops_the_robot() {
             namespace: "/".to_owned(),
             domain: 0,
             localhost_only: false,
+            remaps: Vec::new(),
         },
         sim_time: true,
         stamped: false,
