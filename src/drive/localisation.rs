@@ -20,6 +20,9 @@ const OFF_CELL: f64 = 0.2;
 const OFF_RANGE: f64 = 0.05;
 /// The share of disagreeing beams that makes a turn bad.
 const DISAGREEING: f64 = 0.4;
+/// The least number of compared beams of a turn that says anything. In a hall that is larger than the
+/// lidar's range, the few echoes may all be outliers.
+const LEAST_COMPARED: u32 = 8;
 /// The number of consecutive bad turns that is a fault.
 const TURNS: u32 = 2;
 /// The maximum number of compared beams per turn.
@@ -95,12 +98,9 @@ impl Localisation {
 
     fn end_turn(&mut self) -> Option<Mislocalised> {
         let share = f64::from(self.disagreeing) / f64::from(self.compared.max(1));
+        let is_bad = self.compared >= LEAST_COMPARED && share > DISAGREEING;
         (self.seen, self.compared, self.disagreeing) = (0, 0, 0);
-        self.bad_turns = if share > DISAGREEING {
-            self.bad_turns + 1
-        } else {
-            0
-        };
+        self.bad_turns = if is_bad { self.bad_turns + 1 } else { 0 };
         (self.bad_turns >= TURNS).then_some(Mislocalised::ScanDisagrees(share))
     }
 
