@@ -67,12 +67,12 @@ settings! {
         scale: f64 = 0.01, in 0.0..=0.05;
         /// Deviation of the offset in m, drawn once for each robot.
         offset_m: f64 = 0.005, in 0.0..=0.05;
+        /// Share of beams of which nothing comes back.
+        dropouts: f64 = 0.01, in 0.0..=0.2;
     }
     constants {
         /// Deviation of a beam's direction in rad.
         jitter_rad: f64 = 0.004;
-        /// Share of beams of which nothing comes back.
-        dropouts: f64 = 0.01;
         /// Share of beams that report a random range.
         outliers: f64 = 0.005;
     }

@@ -72,6 +72,8 @@ settings! {
         aligned_radps: f64 = 1.73, in 0.05..=5.0;
         /// Time limit of an action in s. With the defaults a move takes 1.2 s in a cell of 1 m.
         time_out_s: f64 = 10.0, in 0.05..=600.0;
+        /// Deviation of a wheel's scale, drawn for each action.
+        wheel_bias: f64 = 0.05, in 0.0..=0.1;
         /// How the robot is localised: `ground-truth` (its true pose, with noise) or
         /// `estimated` (from its sensors).
         localisation: Localisation = Localisation::GroundTruth;
@@ -93,8 +95,6 @@ settings! {
     constants {
         /// Integrate steps that touch no wall in closed form. Faster, with bit-identical results.
         shortcut: bool = true;
-        /// Deviation of a wheel's scale, drawn for each action.
-        wheel_bias: f64 = 0.05;
         /// Deviation of a wheel's scale, drawn for each physics step.
         wheel_noise: f64 = 0.05;
         /// Deviation of a measured coordinate in m.
