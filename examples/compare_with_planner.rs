@@ -36,7 +36,7 @@ type Pixel = [i32; 2];
 /// Returns the shortest path between two points of the grid frame, pixel by pixel.
 fn planned(maze: &Maze, [from, to]: [Point2<f64>; 2], radius_m: f64) -> Option<Vec<Point2<f64>>> {
     let solid = maze.solid();
-    let corner = solid.corner_in_grid().unwrap_or_else(Isometry2::identity);
+    let corner = solid.corner_in_grid().copied().unwrap_or_default();
     let pixel_of = |point: Point2<f64>| {
         let at = corner.inverse_transform_point(&point) / solid.pixel_m();
         [at.x.floor() as i32, at.y.floor() as i32]
