@@ -78,7 +78,7 @@ def or_dash(value):
 
 
 def paper():
-    head = ["method", "maze", "solved", "95 % interval", "retained at the end", "share of episodes optimal after", "solved in the paper"]
+    head = ["method", "maze", "solved", "95 % interval", "retained at the end", "stays optimal", "solved in the paper"]
     rows = []
     for method, published in PAPER.items():
         own = [arm for arm in arms("paper") if arm["method"] == method]
@@ -106,6 +106,37 @@ def parts():
         part = arm["variant"].removeprefix("without=")
         part = part if part == "nothing" else f"`{part}`"
         rows.append([part, MAZES[arm["world"]], arm["successes"], arm["retained"], f"{arm['iqm_env_steps']:.0f}", steps_interval(arm), f"{arm['mean_collisions']:.0f}", shown(arm)])
+    return table(head, rows)
+
+
+def mechanisms():
+    head = ["left out", "maze", "solved", "retained at the end", "steps until solved", "95 % interval", "rules shown"]
+    rows = []
+    for arm in arms("mechanisms"):
+        part = arm["variant"].removeprefix("without=")
+        part = part if part == "nothing" else f"`{part}`"
+        rows.append([part, MAZES[arm["world"]], arm["successes"], arm["retained"], f"{arm['iqm_env_steps']:.0f}", steps_interval(arm), shown(arm)])
+    return table(head, rows)
+
+
+MECHANISMS = ["short_term_filter", "learning_rate_switching", "imprinting", "learning_step_threshold"]
+
+
+def mechanisms_paper():
+    """By mechanism, what it adds on average over all combinations of the others, and if it is added last."""
+    head = ["mechanism", "maze", "solved, on average", "solved, added last", "retained, on average", "retained, added last"]
+    rows = []
+    for mechanism in MECHANISMS:
+        others = [f"reward.{other}=true" for other in MECHANISMS if other != mechanism]
+        for world in ["maze4", "maze5", "maze6"]:
+            own = [arm for arm in arms("mechanisms-paper") if arm["world"] == world]
+            row = [f"`reward.{mechanism}`", MAZES[world]]
+            for key in ["successes", "retained"]:
+                sides = [[arm for arm in own if f"reward.{mechanism}={on}" in arm["variant"]] for on in ["true", "false"]]
+                average = [mean(arm[key] for arm in side) for side in sides]
+                last = [next(arm[key] for arm in side if all(other in arm["variant"] for other in others)) for side in sides]
+                row += [f"{average[0] - average[1]:+.1f}", f"{last[0] - last[1]:+d}"]
+            rows.append(row)
     return table(head, rows)
 
 

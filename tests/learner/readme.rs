@@ -1,12 +1,13 @@
 //! What the pages say about the paper's methods follows from `assets/results/`: each file there is
-//! the `summary.json` of a study, `paper.json` and `ablation.json` of the presets with these names at commit 8ff3eb65,
-//! `paper-physics.json` of `xcscr study run paper --arena physics`, the others of the study files that
-//! lie beside them.
+//! the `summary.json` of a study, written by `assets/results/measure`.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
+use xcscr::agent::Method;
+use xcscr::trial::Settings;
 
 fn text(name: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap()
@@ -40,6 +41,57 @@ fn the_results_are_those_of_the_preset() {
     }
 }
 
+/// The defaults of a method, by key.
+fn defaults(method: Method) -> BTreeMap<String, Value> {
+    let sections = serde_json::to_value(Settings::of(method)).unwrap();
+    let keyed = |(section, values): (&String, &Value)| {
+        let values = values.as_object().unwrap().clone().into_iter();
+        let section = section.clone();
+        values.map(move |(key, value)| (format!("{section}.{key}"), value))
+    };
+    sections
+        .as_object()
+        .unwrap()
+        .iter()
+        .flat_map(keyed)
+        .collect()
+}
+
+/// The keys of settings in which some methods of the paper differ.
+fn differing() -> Vec<String> {
+    let first = defaults(Method::Xcs);
+    let others = [
+        Method::AdaptedEven,
+        Method::AdaptedDiscounted,
+        Method::Xcscr,
+    ]
+    .map(defaults);
+    let differs = |(key, value): &(&String, &Value)| others.iter().any(|o| o[*key] != **value);
+    first
+        .iter()
+        .filter(differs)
+        .map(|(key, _)| key.clone())
+        .collect()
+}
+
+#[test]
+fn the_study_of_the_paper_sets_what_differs_between_its_methods_and_the_page_shows_it() {
+    let preset = text("src/study/protocol/presets/paper.toml");
+    let (_, settings) = preset.split_once("[settings]\n").unwrap();
+    let differing = differing();
+    assert!(differing.len() > 5, "control: the defaults differ");
+    for key in differing {
+        let is_set = settings.contains(&format!("\"{key}\" = "));
+        assert!(is_set, "{key} depends on the method");
+    }
+    let page = text("docs/src/results/replication.md");
+    let missing: Vec<&str> = settings
+        .lines()
+        .filter(|line| !page.contains(line))
+        .collect();
+    assert!(missing.is_empty(), "the page lacks {missing:?}");
+}
+
 #[test]
 fn in_physics_the_paper_s_numbers_are_the_same() {
     let figures = |name: &str| {
@@ -62,59 +114,6 @@ fn what_the_pages_say_of_xcsam_is_in_the_results() {
         .map(|arm| arm["successes"].to_string());
     let found: Vec<String> = found.collect();
     assert_told(&format!("settings in {} of 100 trials", found.join(", ")));
-}
-
-const MECHANISMS: [&str; 4] = [
-    "imprinting",
-    "learning_rate_switching",
-    "short_term_filter",
-    "learning_step_threshold",
-];
-
-fn has(arm: &Value, mechanism: &str) -> bool {
-    let variant = arm["variant"].as_str().unwrap();
-    variant.contains(&format!("reward.{mechanism}=true"))
-}
-
-/// By mechanism, the points that it adds in a maze on average over all combinations of the others, and
-/// when it is added last.
-fn effects(summary: &Value, world: &str) -> [(f64, f64); 4] {
-    let arms: Vec<&Value> = arms(summary)
-        .iter()
-        .filter(|arm| arm["world"] == world)
-        .collect();
-    let points = |is_wanted: &dyn Fn(&Value) -> bool| {
-        let wanted = arms.iter().filter(|arm| is_wanted(arm));
-        wanted
-            .map(|arm| arm["successes"].as_f64().unwrap())
-            .sum::<f64>()
-    };
-    let full = points(&|arm| MECHANISMS.iter().all(|name| has(arm, name)));
-    MECHANISMS.map(|name| {
-        let [on, off] = [true, false].map(|on| points(&|arm| has(arm, name) == on));
-        let is_other = |arm: &Value, other: &str| has(arm, other) == (other != name);
-        let without = points(&|arm| MECHANISMS.iter().all(|other| is_other(arm, other)));
-        ((on - off) / 8.0, full - without)
-    })
-}
-
-#[test]
-fn what_the_mechanisms_contribute_is_in_the_results() {
-    let summary = results("ablation");
-    assert_eq!(arms(&summary).len(), 48);
-    let by_maze = ["maze4", "maze5", "maze6"].map(|maze| effects(&summary, maze));
-    let span = |figures: Vec<f64>| {
-        let low = figures.iter().copied().fold(f64::MAX, f64::min).round();
-        let high = figures.iter().copied().fold(f64::MIN, f64::max).round();
-        format!("{low:.0} to {high:.0}")
-    };
-    let added = by_maze.iter().flat_map(|maze| &maze[..3]);
-    let added = span(added.map(|effect| effect.0).collect());
-    let last = by_maze[1..].iter().flat_map(|maze| &maze[..3]);
-    let last = span(last.map(|effect| effect.1).collect());
-    assert_told(&format!("short-term filter add {added} points each"));
-    assert_told(&format!("is still worth {last} points in Maze5 and Maze6"));
-    assert!(by_maze.iter().all(|maze| maze[3].0.abs() < 2.0));
 }
 
 /// A row of the front page: solved trials, and the interquartile mean of the steps, in Maze6.
