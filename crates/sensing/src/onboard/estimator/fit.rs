@@ -7,7 +7,7 @@ use super::{
     WHEELS, X, Y,
 };
 use crate::onboard::angle::{ahead, cayley, square};
-use crate::onboard::field::{Field, Surface};
+use crate::onboard::field::Field;
 use crate::whole::round;
 
 /// The fit of a beam to a wall.
@@ -79,8 +79,7 @@ impl Estimator {
     /// Returns the wall at which a beam ends, by a map; `None` if no surface near its end faces the
     /// robot.
     fn wall_of(&self, map: &dyn Field, ray: &Ray, end: Vector2<f64>) -> Option<Wall> {
-        let faces_robot = |surface: &Surface| surface.normal.dot(&ray.direction) < 0.0;
-        let surface = map.nearest(end).filter(faces_robot)?;
+        let surface = map.nearest(end, ray.direction)?;
         // The positive direction makes beams to opposite walls comparable.
         let main = surface.normal[surface.normal.iamax()];
         let sign = 1.0_f64.copysign(main);
