@@ -23,7 +23,8 @@ const STEP_RAD: f64 = 0.2;
 pub const MOST_WAY_NS: u64 = 1_000_000_000;
 /// The maximum share of ranges that are not a number.
 const INVALID: f64 = 0.5;
-/// The least share of the beams of a scan that return. A lidar that is covered returns nothing.
+/// The least share of the beams of a scan that return where there are walls. A lidar that is covered
+/// returns nothing.
 const LEAST_RETURNS: f64 = 0.02;
 /// The numbers of beams of a scan. More would delay the next command.
 const BEAMS: [f64; 2] = [16.0, 10_000.0];
@@ -157,8 +158,9 @@ impl Checks {
         (!is_possible).then_some(Fault::InvalidImu(imu.turn_radps))
     }
 
-    /// Returns what is wrong with the values of a scan.
-    pub fn scan(&self, scan: &Scan) -> Option<Fault> {
+    /// Returns what is wrong with the values of a scan. `sees_walls` returns true if there are walls in
+    /// its range.
+    pub fn scan(&self, scan: &Scan, sees_walls: &dyn Fn() -> bool) -> Option<Fault> {
         let beams = scan.ranges_m.len();
         let all = beams as f64;
         let turns = all * scan.angle_increment_rad.abs() / TAU;
@@ -204,8 +206,8 @@ impl Checks {
         }
         let returns = (0..beams).filter(|beam| scan.measured_m(*beam).is_some());
         let returns = returns.count();
-        let is_covered = returns == 0 || (returns as f64) < LEAST_RETURNS * all;
-        is_covered.then_some(Fault::NoReturns(returns))
+        let is_empty = returns == 0 || (returns as f64) < LEAST_RETURNS * all;
+        (is_empty && sees_walls()).then_some(Fault::NoReturns(returns))
     }
 }
 

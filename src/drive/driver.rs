@@ -5,7 +5,7 @@ use xcscr_sensing::{Readings as StepOfSensors, Return};
 
 use super::fault::{Fault, Mislocalised};
 use super::given::{Given, PoseSource};
-use super::localisation::Localisation;
+use super::localisation::{Localisation, sees_walls};
 use super::obstacle::{Braking, Obstacles};
 use super::readings::Readings;
 use super::setup::DriveSetup;
@@ -116,7 +116,10 @@ impl Driver {
     /// Call this when readings arrive, and at least every 50 ms.
     pub fn step(&mut self, steady_ns: u64, readings: &Readings) -> DriverStep {
         self.sensed.clear();
-        let watched = self.watch.step(steady_ns, readings);
+        let (pose, setup) = (self.pose(), &self.setup);
+        let range_m = setup.physics.lidar.range_m;
+        let sees_walls = || pose.is_none_or(|pose| sees_walls(&setup.maze, &pose, range_m));
+        let watched = self.watch.step(steady_ns, readings, &sees_walls);
         let mut faults = self.take_outside(steady_ns, readings);
         self.take_in(&watched);
         faults.extend(watched.faults);
@@ -227,19 +230,32 @@ impl Driver {
         let Some((time_ns, ..)) = self.timeline.latest().filter(|_| self.has_scan) else {
             return;
         };
-        let start = match self.setup.source {
-            PoseSource::Own => Some(self.setup.start_in_grid),
-            PoseSource::Tf => self.told_at(time_ns),
-        };
-        let Some(start) = start else {
+        let Some(start) = self.start() else {
             return;
         };
         self.timeline.begin(time_ns);
         let tolerance = self.setup.start_tolerance;
         self.pilot.put_down_within(start, tolerance);
-        let turns_ns = TURNS_BEFORE_START * self.turn_ns() as f64;
-        self.until_ns = time_ns + turns_ns as u64;
+        let turns_s = TURNS_BEFORE_START / self.setup.physics.lidar.rate_hz;
+        self.until_ns = time_ns + (1e9 * turns_s) as u64;
         self.phase = Phase::LookingRound;
+    }
+
+    /// Returns the pose in the grid frame where the drive starts; `None` if the other localiser has not
+    /// sent one.
+    fn start(&self) -> Option<Isometry2<f64>> {
+        match self.setup.source {
+            PoseSource::Own => Some(self.setup.start_in_grid),
+            PoseSource::Tf => self.told_at(self.timeline.latest()?.0),
+        }
+    }
+
+    /// Returns the pose in the grid frame, as far as it is known.
+    fn pose(&self) -> Option<Isometry2<f64>> {
+        match self.phase {
+            Phase::Waiting => self.start(),
+            _ => self.now().map(|(pose, ..)| pose),
+        }
     }
 
     /// Returns the pose in the grid frame at a time, by the other localiser; `None` without one.
@@ -247,10 +263,6 @@ impl Driver {
         let in_map = self.given.odom_in_map()? * self.timeline.pose_at(time_ns)?;
         let grid = self.setup.maze.grid_in_map();
         Some(grid.unwrap_or_else(Isometry2::identity).inverse() * in_map)
-    }
-
-    fn turn_ns(&self) -> u64 {
-        (1e9 / self.setup.physics.lidar.rate_hz) as u64
     }
 
     /// Returns the current pose in the grid frame, the speeds, and the time of the newest odometry.

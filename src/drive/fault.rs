@@ -44,10 +44,8 @@ pub enum Fault {
     /// This share of a scan's ranges is not a number.
     #[error("{:.0} % of the ranges of a scan are not a number", 100.0 * .0)]
     InvalidRanges(f64),
-    /// Hardly any beam of a scan returned: this many.
-    #[error(
-        "only {0} beams of a scan returned; uncover the lidar, or bring the robot nearer to a wall"
-    )]
+    /// Hardly any beam of a scan returned, although there are walls: this many.
+    #[error("only {0} beams of a scan returned, but there are walls near; uncover the lidar")]
     NoReturns(usize),
     /// A pose or a speed is not a number, or the orientation is no rotation.
     #[error("a pose or a speed on /odom is not a number")]

@@ -3,6 +3,8 @@
 //! The filter does not know the walls, so its estimate can be off by a whole cell. The driver knows
 //! the maze and compares.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{Isometry2, Matrix3, UnitComplex, Vector2};
 use xcscr_sensing::{Return, cast};
 
@@ -27,6 +29,20 @@ const LEAST_COMPARED: u32 = 8;
 const TURNS: u32 = 2;
 /// The maximum number of compared beams per turn.
 const COMPARED: usize = 64;
+/// A lidar sees walls if at least this share of its beams end at one, within this share of its range.
+/// The margin is for an estimate that is off, and for walls that reflect little.
+const WALLS: f64 = 0.1;
+const WELL_IN_RANGE: f64 = 0.8;
+
+/// Returns true if a lidar with this range sees walls from a pose in the grid frame.
+pub fn sees_walls(maze: &Maze, pose: &Isometry2<f64>, range_max_m: f64) -> bool {
+    let ends_at_wall = |number: &usize| {
+        let direction = UnitComplex::new(TAU * *number as f64 / COMPARED as f64) * Vector2::x();
+        let from = pose.translation.vector;
+        cast(maze, from, direction, WELL_IN_RANGE * range_max_m).is_some()
+    };
+    (0..COMPARED).filter(ends_at_wall).count() as f64 >= WALLS * COMPARED as f64
+}
 
 /// Compares beams with the walls of a maze, one lidar turn at a time.
 #[derive(Debug, Clone)]

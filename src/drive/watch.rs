@@ -85,8 +85,14 @@ impl Watch {
         }
     }
 
-    /// Checks the readings that arrived until `steady_ns`, a clock that never jumps.
-    pub fn step<'a>(&mut self, steady_ns: u64, readings: &'a Readings) -> Watched<'a> {
+    /// Checks the readings that arrived until `steady_ns`, a clock that never jumps. `sees_walls` returns
+    /// true if there are walls in the range of the lidar.
+    pub fn step<'a>(
+        &mut self,
+        steady_ns: u64,
+        readings: &'a Readings,
+        sees_walls: &dyn Fn() -> bool,
+    ) -> Watched<'a> {
         let now_ns = self.now(steady_ns, readings.clock_ns);
         let begun_ns = *self.begun_ns.get_or_insert(now_ns);
         let mut watched = Watched::default();
@@ -104,7 +110,7 @@ impl Watch {
             self.mounting.add(transform);
         }
         for scan in &readings.scans {
-            let accepted = self.accepted(scan, now_ns);
+            let accepted = self.accepted(scan, now_ns, sees_walls);
             watched.scans.extend(accepted);
         }
         let age = |seen: Option<Seen>| {
@@ -220,8 +226,13 @@ impl Watch {
 
     /// Accepts a scan after the first odometry, because its beams need the poses of the robot. Returns it
     /// in chronological order, without ranges that the robot of the policy cannot measure.
-    fn accepted(&mut self, scan: &Scan, arrived_ns: u64) -> Option<MountedScan> {
-        self.scan_fault = self.checks.scan(scan);
+    fn accepted(
+        &mut self,
+        scan: &Scan,
+        arrived_ns: u64,
+        sees_walls: &dyn Fn() -> bool,
+    ) -> Option<MountedScan> {
+        self.scan_fault = self.checks.scan(scan, sees_walls);
         let odometry = self.odometry.filter(|_| self.scan_fault.is_none())?;
         let mut scan = scan.in_order(self.order);
         scan.range_max_m = scan.range_max_m.min(self.range_m);

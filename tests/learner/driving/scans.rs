@@ -133,3 +133,35 @@ fn a_covered_lidar_and_one_that_does_not_turn_stop_the_robot_until_they_work_aga
         assert_eq!(step.phase, Phase::AtGoal, "{name}: {step:?}");
     }
 }
+
+#[test]
+fn a_hall_is_crossed_in_whose_middle_the_lidar_sees_no_wall() {
+    let [wall, row] = ["#############", "#...........#"];
+    let rows = [
+        wall,
+        row,
+        row,
+        row,
+        row,
+        "#S.........G#",
+        row,
+        row,
+        row,
+        row,
+        wall,
+    ];
+    let json = serde_json::json!({ "name": "hall", "rows": rows }).to_string();
+    let hall = Maze::from_json(json.as_bytes(), "hall.json").unwrap();
+    let mut fewest = usize::MAX;
+    let step = drive_with(
+        &mut burger_in(hall, 1, DriveOptions::default()),
+        |readings| {
+            for scan in &readings.scans {
+                let echoes = scan.ranges_m.iter().filter(|range| range.is_finite());
+                fewest = fewest.min(echoes.count());
+            }
+        },
+    );
+    assert_eq!(step.phase, Phase::AtGoal, "{step:?}");
+    assert!(fewest < 8, "control: {fewest} beams return");
+}
