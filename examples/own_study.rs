@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use xcscr::study::{Overrides, Protocol, Report, Study, StudyFile};
+use xcscr::study::{Agents, Protocol, Report, Study, StudyFile};
 
 #[path = "agents/fewest_steps.rs"]
 mod fewest_steps;
@@ -19,9 +19,8 @@ const STUDY: &str = r#"
 /// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = StudyFile::parse(STUDY, "own_study.rs", Path::new("."))?;
-    let protocol = Protocol::new(&file, &Overrides::default())?;
-    let study =
-        Study::new(protocol).with_agent("fewest-steps", |plan| Box::new(FewestSteps::new(plan)))?;
+    let agents = Agents::default().with("fewest-steps", |plan| Box::new(FewestSteps::new(plan)))?;
+    let study = Study::new(Protocol::new(&file, &agents)?, agents);
     let parent = tempfile::tempdir()?;
     let folder = study.run(&parent.path().join("study"), 1, &mut ())?;
     let report = Report::new(&folder).terminal();

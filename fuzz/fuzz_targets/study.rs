@@ -3,9 +3,9 @@
 
 use std::path::Path;
 
-use xcscr::study::{Overrides, Protocol, StudyFile};
+use xcscr::study::{Agents, Protocol, StudyFile};
 
 libfuzzer_sys::fuzz_target!(|text: &str| {
     let file = StudyFile::parse(text, "fuzz.toml", Path::new("no/such/folder"));
-    let _ = file.and_then(|file| Protocol::new(&file, &Overrides::default()));
+    let _ = file.and_then(|file| Protocol::new(&file, &Agents::default()));
 });

@@ -5,9 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use xcscr::study::{
-    Overrides, Protocol, Report, StudyFile, StudyFolder, StudyWatcher, TrialRecord,
-};
+use xcscr::study::{Agents, Protocol, Report, StudyFile, StudyFolder, StudyWatcher, TrialRecord};
 
 use crate::external::{External, Fault};
 use crate::plan::{invalid, warn};
@@ -72,21 +70,18 @@ pub fn run_study(
     jobs: usize,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Study> {
-    let file = StudyFile::parse(text, ORIGIN, Path::new(""));
-    let protocol = file.and_then(|file| Protocol::new(&file, &Overrides::default()));
-    let protocol = protocol.map_err(invalid)?;
-    let study = xcscr::study::Study::new(protocol);
-    // An exception of an agent interrupts a study, and is no result.
-    let mut study = study.retry_failed(true);
+    let mut file = StudyFile::parse(text, ORIGIN, Path::new("")).map_err(invalid)?;
+    file.reference = reference.map(str::to_owned).or(file.reference);
     let fault = Fault::default();
+    let mut added = Agents::default();
     for (name, class) in agents {
         let fault = fault.clone();
         let build = move |plan: &_| Box::new(External::new(&class, plan, fault.clone())) as Box<_>;
-        study = study.with_agent(&name, build).map_err(invalid)?;
+        added = added.with(&name, build).map_err(invalid)?;
     }
-    if let Some(reference) = reference {
-        study = study.reference(reference).map_err(invalid)?;
-    }
+    let protocol = Protocol::new(&file, &added).map_err(invalid)?;
+    // An exception of an agent interrupts a study, and is no result.
+    let study = xcscr::study::Study::new(protocol, added).retry_failed(true);
     warn(py, study.protocol().arm_plans())?;
     let mut watcher = Watcher {
         fault: fault.clone(),

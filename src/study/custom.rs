@@ -1,31 +1,65 @@
 //! Studies that compare custom agents with the built-in methods.
 
-use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
 use super::error;
-use super::protocol::Protocol;
+use super::protocol::{Protocol, is_plain_name};
 use super::runner::{StudyWatcher, run_trials};
 use super::store::{StudyFolder, TrialRecord};
-use crate::Error;
-use crate::agent::Agent;
+use crate::agent::{Agent, Method};
 use crate::trial::Plan;
+use crate::{Error, ErrorKind};
 
 /// Builds the agent of a trial from the trial's plan.
 type Build = dyn Fn(&Plan) -> Box<dyn Agent> + Send + Sync;
 
-/// Custom agents of a program, by name.
+/// Custom agents of a program, with their names.
 #[derive(Default)]
-pub struct Agents(BTreeMap<String, Box<Build>>);
+pub struct Agents(Vec<(String, Box<Build>)>);
 
 impl Agents {
+    /// Adds an agent, which a study runs in the worlds, arenas, sensors and variants of the built-in methods,
+    /// with the same seeds. `build` creates the agent of a trial from its plan, which has the
+    /// world, the settings and the seed.
+    ///
+    /// The agent appears under its name in reports, tests, tables and figures. Any program can
+    /// write these, but only a program that has the agent can run its trials.
+    ///
+    /// # Errors
+    /// When the name is taken, or has other characters than lower-case
+    /// letters, digits and hyphens.
+    pub fn with(
+        mut self,
+        name: &str,
+        build: impl Fn(&Plan) -> Box<dyn Agent> + Send + Sync + 'static,
+    ) -> Result<Self, Error> {
+        let mut methods = Method::ALL.iter().map(|method| method.name());
+        let fault = if !is_plain_name(name) {
+            format!(
+                "invalid agent name `{name}`: use 1 to 40 lower-case letters, digits and hyphens"
+            )
+        } else if self.names().any(|known| known == name) || methods.any(|method| method == name) {
+            format!("`{name}` is the name of another method")
+        } else {
+            self.0.push((name.to_owned(), Box::new(build)));
+            return Ok(self);
+        };
+        Err(ErrorKind::BadData.error(fault))
+    }
+
+    /// Returns the names.
+    pub fn names(&self) -> impl Iterator<Item = &String> {
+        self.0.iter().map(|(name, _)| name)
+    }
+
     /// Builds the agent of this name for a trial.
     ///
     /// # Errors
     /// When this program has no agent of this name.
     pub fn build(&self, name: &str, plan: &Plan) -> Result<Box<dyn Agent>, String> {
-        let build = self.0.get(name).ok_or_else(|| missing(name))?;
+        let found = self.0.iter().find(|(known, _)| known == name);
+        let (_, build) = found.ok_or_else(|| missing(name))?;
         Ok(build(plan))
     }
 
@@ -35,7 +69,7 @@ impl Agents {
     /// When an agent is missing.
     pub fn require_for(&self, protocol: &Protocol) -> Result<(), Error> {
         let mut named = protocol.arms.iter().filter_map(|arm| arm.agent.as_ref());
-        let lacking = named.find(|name| !self.0.contains_key(*name));
+        let lacking = named.find(|name| !self.names().any(|known| known == *name));
         lacking.map_or(Ok(()), |name| {
             Err(error::file(&protocol.name, missing(name)))
         })
@@ -48,7 +82,7 @@ fn missing(name: &str) -> String {
 
 impl fmt::Debug for Agents {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_set().entries(self.0.keys()).finish()
+        f.debug_set().entries(self.names()).finish()
     }
 }
 
@@ -62,11 +96,11 @@ pub struct Study {
 }
 
 impl Study {
-    /// Creates a study of built-in methods.
-    pub fn new(protocol: Protocol) -> Self {
+    /// Creates the study of a protocol, which was frozen with these agents.
+    pub fn new(protocol: Protocol, agents: Agents) -> Self {
         Self {
             protocol,
-            agents: Agents::default(),
+            agents,
             retry_failed: false,
             force: false,
         }
@@ -82,36 +116,6 @@ impl Study {
     pub fn replacing(mut self, force: bool) -> Self {
         self.force = force;
         self
-    }
-
-    /// Adds a custom agent in the worlds, arenas, sensors and variants of the built-in methods,
-    /// with the same seeds. `build` creates the agent of a trial from its plan, which has the
-    /// world, the settings and the seed.
-    ///
-    /// The agent appears under its name in reports, tests, tables and figures. Any program can
-    /// write these, but only a program that has the agent can run its trials.
-    ///
-    /// # Errors
-    /// When the name is taken, or has other characters than lower-case
-    /// letters, digits and hyphens.
-    pub fn with_agent(
-        mut self,
-        name: &str,
-        build: impl Fn(&Plan) -> Box<dyn Agent> + Send + Sync + 'static,
-    ) -> Result<Self, Error> {
-        self.protocol.add_agent(name)?;
-        self.agents.0.insert(name.to_owned(), Box::new(build));
-        Ok(self)
-    }
-
-    /// Sets the method, or the custom agent, that the report compares with each other one.
-    ///
-    /// # Errors
-    /// When the study has no method or agent of this name.
-    pub fn reference(mut self, name: &str) -> Result<Self, Error> {
-        let set = self.protocol.set_reference(name);
-        set.map_err(|fault| error::file(&self.protocol.name, fault))?;
-        Ok(self)
     }
 
     /// Returns the protocol.
@@ -153,7 +157,7 @@ impl Study {
 
     /// Repeats the first stored trial of each custom agent. A changed agent would mix its results with earlier ones.
     fn require_same_agents(&self, folder: &StudyFolder) -> Result<(), Error> {
-        self.agents.0.keys().try_for_each(|name| {
+        self.agents.names().try_for_each(|name| {
             let is_custom = |record: &TrialRecord| {
                 let agent = &self.protocol.arm(record.trial).agent;
                 agent.as_ref() == Some(name) && record.result.is_ok()

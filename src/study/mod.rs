@@ -25,8 +25,8 @@ mod statistics;
 mod store;
 mod tasks;
 
-pub use custom::Study;
-pub use protocol::{Arm, Overrides, Protocol, StudyFile, StudyKey, Variant};
+pub use custom::{Agents, Study};
+pub use protocol::{Arm, Protocol, StudyFile, StudyKey, Variant};
 pub use report::Report;
 pub use robustness::{ConditionResult, LeftOut, Robustness};
 pub use runner::StudyWatcher;

@@ -18,7 +18,7 @@ use xcscr::arena::ArenaKind;
 use xcscr::record::RecordMode;
 use xcscr::record::reader::Recording;
 use xcscr::run::{RunFolder, Session};
-use xcscr::study::{Overrides, Protocol, Report, Study, StudyFile, StudyFolder};
+use xcscr::study::{Agents, Protocol, Report, Study, StudyFile, StudyFolder};
 use xcscr::trial::{Config, Plan, Resolved, Settings, Trial};
 use xcscr::world::Maze;
 
@@ -119,7 +119,7 @@ fn mutants_of_study_files() {
     feed(&[STUDY.into()], IN_MEMORY, |text| {
         let text = String::from_utf8_lossy(text);
         let file = StudyFile::parse(&text, "mutant.toml", Path::new("no/such/folder"));
-        file.and_then(|file| Protocol::new(&file, &Overrides::default()))
+        file.and_then(|file| Protocol::new(&file, &Agents::default()))
             .is_ok()
     });
 }
@@ -127,13 +127,10 @@ fn mutants_of_study_files() {
 /// A finished study with eight trials.
 fn finished_study() -> Desk {
     let desk = Desk::new();
-    let file = StudyFile::parse(STUDY, "small.toml", Path::new("")).unwrap();
-    let few = Overrides {
-        trials: Some(1),
-        episodes: Some(2),
-        ..Overrides::default()
-    };
-    let study = Study::new(Protocol::new(&file, &few).unwrap());
+    let mut file = StudyFile::parse(STUDY, "small.toml", Path::new("")).unwrap();
+    (file.trials, file.episodes) = (1, 2);
+    let protocol = Protocol::new(&file, &Agents::default()).unwrap();
+    let study = Study::new(protocol, Agents::default());
     study.run(desk.folder(), 1, &mut ()).unwrap();
     desk
 }

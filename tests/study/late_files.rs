@@ -10,7 +10,7 @@ use crate::kit::folder;
 use tempfile::TempDir;
 use xcscr::streams::StreamName;
 use xcscr::study::{
-    Overrides, PlannedStudy, Protocol, Study, StudyFile, StudyFolder, StudyWatcher, TrialRecord,
+    Agents, PlannedStudy, Protocol, Study, StudyFile, StudyFolder, StudyWatcher, TrialRecord,
 };
 use xcscr::xcs::random::Stream;
 use xcscr::{Error, ErrorKind};
@@ -24,7 +24,7 @@ fn protocol() -> Protocol {
         TRIALS / 2
     );
     let file = StudyFile::parse(&text, "s.toml", Path::new("")).unwrap();
-    Protocol::new(&file, &Overrides::default()).unwrap()
+    Protocol::new(&file, &Agents::default()).unwrap()
 }
 
 /// What was truly written, and the machines' views of it.
@@ -92,7 +92,9 @@ impl StudyWatcher for Patience {
 fn whatever_the_machines_see_of_each_other_the_trials_are_those_of_one_process_or_missing() {
     let whole = tempfile::tempdir().unwrap();
     let out = whole.path().join("a");
-    let done = Study::new(protocol()).run(&out, 1, &mut ()).unwrap();
+    let done = Study::new(protocol(), Agents::default())
+        .run(&out, 1, &mut ())
+        .unwrap();
     let wanted: Vec<_> = done.records().collect();
     let mut chance = Stream::new(1, StreamName::World);
     let (mut twice, mut refused, mut torn) = (0, 0, 0);

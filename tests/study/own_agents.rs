@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use xcscr::study::{Overrides, Protocol, Report, Study, StudyFile, StudyFolder};
+use xcscr::study::{Agents, Protocol, Report, Study, StudyFile, StudyFolder};
 
 use crate::kit::program::{expect, outcome};
 
@@ -18,14 +18,14 @@ trials = 5
 episodes = 40
 "#;
 
-fn study() -> Study {
+fn study(agents: Agents) -> Study {
     let file = StudyFile::parse(FILE, "own.toml", Path::new(".")).unwrap();
-    Study::new(Protocol::new(&file, &Overrides::default()).unwrap())
+    Study::new(Protocol::new(&file, &agents).unwrap(), agents)
 }
 
-fn with_own(study: Study) -> Study {
-    let built = study.with_agent("fewest-steps", |plan| Box::new(FewestSteps::new(plan)));
-    built.unwrap()
+fn own() -> Agents {
+    let agents = Agents::default().with("fewest-steps", |plan| Box::new(FewestSteps::new(plan)));
+    agents.unwrap()
 }
 
 fn run(study: &Study, folder: PathBuf) -> StudyFolder {
@@ -36,9 +36,9 @@ fn run(study: &Study, folder: PathBuf) -> StudyFolder {
 fn an_agent_of_ones_own_runs_in_every_world_with_the_seeds_of_the_others_and_changes_none_of_them()
 {
     let place = tempfile::tempdir().unwrap();
-    let (path, with_own) = (place.path().join("own"), with_own(study()));
+    let (path, with_own) = (place.path().join("own"), study(own()));
     let own = run(&with_own, path.clone());
-    let plain = run(&study(), place.path().join("plain"));
+    let plain = run(&study(Agents::default()), place.path().join("plain"));
     let arms = own.protocol().arms.iter();
     let arms: Vec<String> = arms
         .map(|arm| format!("{} {}", arm.world, arm.method_name()))
@@ -76,22 +76,22 @@ fn an_agent_of_ones_own_runs_in_every_world_with_the_seeds_of_the_others_and_cha
 }
 
 /// Runs a study with an agent of another step limit under the name of the first one.
-fn changed(study: Study) -> Study {
-    let built = study.with_agent("fewest-steps", |plan| {
+fn changed() -> Study {
+    let agents = Agents::default().with("fewest-steps", |plan| {
         let mut plan = plan.clone();
         plan.config.settings.reward.step_threshold = 30;
         Box::new(FewestSteps::new(&plan))
     });
-    built.unwrap()
+    study(agents.unwrap())
 }
 
 #[test]
 fn results_of_a_changed_agent_are_not_mixed_with_earlier_ones() {
     let place = tempfile::tempdir().unwrap();
     let path = place.path().join("own");
-    drop(run(&with_own(study()), path.clone()));
-    drop(run(&with_own(study()), path.clone()));
-    let changed = changed(study());
+    drop(run(&study(own()), path.clone()));
+    drop(run(&study(own()), path.clone()));
+    let changed = changed();
     let words =
         "trial 1 of maze4 fewest-steps grid neighbours has another result when it is repeated";
     let fault = changed.run(&path, 1, &mut ()).unwrap_err().to_string();
@@ -100,7 +100,7 @@ fn results_of_a_changed_agent_are_not_mixed_with_earlier_ones() {
     let fault = changed.write_episodes(&folder, 1, &|| false).unwrap_err();
     assert!(fault.to_string().contains(words), "{fault}");
     assert!(!path.join("episodes.csv.gz").exists());
-    with_own(study())
+    study(own())
         .write_episodes(&folder, 1, &|| false)
         .expect("control");
 }
@@ -114,7 +114,7 @@ fn names_that_are_taken_or_no_names_are_refused() {
         ("", "lower-case letters"),
         ("<b>", "lower-case letters"),
     ] {
-        let refused = with_own(study()).with_agent(name, |plan| Box::new(FewestSteps::new(plan)));
+        let refused = own().with(name, |plan| Box::new(FewestSteps::new(plan)));
         let message = refused.unwrap_err().to_string();
         assert!(message.contains(words), "{name}: {message}");
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use xcscr::Error;
 use xcscr::arena::ArenaKind;
-use xcscr::study::{Overrides, Protocol, StudyFile};
+use xcscr::study::{Agents, Protocol, StudyFile};
 
 use crate::commands::choices;
 
@@ -37,14 +37,13 @@ pub(super) struct ChoiceArgs {
 impl ChoiceArgs {
     /// Returns the study's protocol.
     pub fn protocol(&self) -> Result<Protocol, Error> {
-        let overrides = Overrides {
-            trials: self.trials,
-            episodes: self.episodes,
-            seed: self.seed,
-            reference: self.reference.clone(),
-            arena: self.arena,
-            sets: self.set.clone(),
-        };
-        Protocol::new(&StudyFile::load(&self.study)?, &overrides)
+        let mut file = StudyFile::load(&self.study)?;
+        file.trials = self.trials.unwrap_or(file.trials);
+        file.episodes = self.episodes.unwrap_or(file.episodes);
+        file.seed = self.seed.unwrap_or(file.seed);
+        file.reference = self.reference.clone().or(file.reference);
+        file.arenas = self.arena.map_or(file.arenas, |arena| vec![arena]);
+        file.sets.clone_from(&self.set);
+        Protocol::new(&file, &Agents::default())
     }
 }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 use xcscr::ErrorKind;
-use xcscr::study::{Protocol, Report, Study, StudyFolder};
+use xcscr::study::{Agents, Protocol, Report, Study, StudyFolder};
 
 use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
@@ -130,7 +130,7 @@ fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
     let interrupt =
         Interrupt::watch(move || Failure::new(ErrorKind::Interrupted, shutdown_message))?;
     let mut progress = Progress::new(args.quiet, interrupt);
-    let study = Study::new(protocol)
+    let study = Study::new(protocol, Agents::default())
         .retry_failed(args.retry_failed)
         .replacing(args.force);
     let folder = study.run(&path, args.jobs.into(), &mut progress)?;
@@ -150,7 +150,7 @@ fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
 /// Writes the table of episodes of a complete study, and the report with its learning curves.
 fn write_episodes(folder: &StudyFolder, jobs: usize) -> Result<(), Failure> {
     let interrupt = Interrupt::notice()?;
-    let study = Study::new(folder.protocol().clone());
+    let study = Study::new(folder.protocol().clone(), Agents::default());
     let written = study.write_episodes(folder, jobs, &|| interrupt.came());
     if written.is_err() && interrupt.came() {
         let message = "interrupted; nothing was written: run the same command again";

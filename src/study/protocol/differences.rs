@@ -13,15 +13,6 @@ use crate::world::Maze;
 const MOST_LISTED: usize = 3;
 
 impl Protocol {
-    /// Sets the method that reports compare with each other one.
-    ///
-    /// # Errors
-    /// Describes the fault if the study has no method or agent of this name.
-    pub(in crate::study) fn set_reference(&mut self, name: &str) -> Result<(), String> {
-        self.reference = Some(name.to_owned());
-        self.check_reference()
-    }
-
     /// Checks that the study has its reference method.
     pub(super) fn check_reference(&self) -> Result<(), String> {
         let Some(name) = &self.reference else {

@@ -19,54 +19,60 @@ use crate::world::{Maze, Recipe};
 use crate::world::{bundled_world, bundled_worlds};
 use crate::{Error, ErrorKind};
 
-/// The contents of a study file, before they are frozen into a [`Protocol`](super::Protocol).
-#[derive(Debug, Clone, PartialEq)]
-pub struct StudyFile {
-    pub(super) origin: String,
-    /// The base folder of relative paths of worlds.
-    folder: PathBuf,
-    pub(super) document: Document,
-}
-
-/// The keys and values of a study file. `keys.toml` describes them.
+/// A study file, and what the command line or a program changes in it. `keys.toml` describes the keys.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub(super) struct Document {
+pub struct StudyFile {
+    /// The study's name.
     pub name: String,
-    pub worlds: Vec<String>,
-    pub methods: Vec<Method>,
-    #[serde(default = "Document::grid")]
+    pub(super) worlds: Vec<String>,
+    pub(super) methods: Vec<Method>,
+    /// The arenas.
+    #[serde(default = "StudyFile::grid")]
     pub arenas: Vec<ArenaKind>,
     #[serde(default)]
-    pub sensors: Option<Vec<Sensor>>,
+    pub(super) sensors: Option<Vec<Sensor>>,
+    /// Trials per arm.
     pub trials: usize,
+    /// Episodes per trial.
     pub episodes: u32,
     #[serde(default)]
-    pub drives: u32,
-    #[serde(default = "Document::one")]
+    pub(super) drives: u32,
+    /// Root seed of all trials.
+    #[serde(default = "StudyFile::one")]
     pub seed: u64,
+    /// The method, or the custom agent, that the report compares with each other one.
     #[serde(default)]
     pub reference: Option<String>,
     #[serde(default)]
-    pub robot: Option<String>,
+    pub(super) robot: Option<String>,
     #[serde(default)]
-    pub settings: Table,
+    pub(super) settings: Table,
     #[serde(default)]
-    pub world_settings: BTreeMap<String, Table>,
+    pub(super) world_settings: BTreeMap<String, Table>,
     #[serde(default)]
-    pub world_sensors: BTreeMap<String, Vec<Sensor>>,
+    pub(super) world_sensors: BTreeMap<String, Vec<Sensor>>,
     #[serde(default)]
-    pub method_settings: BTreeMap<String, Table>,
+    pub(super) method_settings: BTreeMap<String, Table>,
     #[serde(default)]
-    pub sweep: Option<Value>,
+    pub(super) sweep: Option<Value>,
     #[serde(default)]
-    pub without: Vec<String>,
+    pub(super) without: Vec<String>,
+    /// Settings as `section.key=value`, which override all others.
+    #[serde(skip)]
+    pub sets: Vec<String>,
+    /// The name of the file, for messages.
+    #[serde(skip)]
+    pub(super) origin: String,
+    /// The base folder of relative paths of worlds.
+    #[serde(skip)]
+    folder: PathBuf,
 }
 
 /// Stands for no switch in `without`.
 pub const NOTHING: &str = "nothing";
 
-impl Document {
+impl StudyFile {
     fn grid() -> Vec<ArenaKind> {
         vec![ArenaKind::Grid]
     }
@@ -74,9 +80,7 @@ impl Document {
     fn one() -> u64 {
         1
     }
-}
 
-impl StudyFile {
     /// Returns the error for a fault in the file.
     pub(super) fn fault(&self, fault: impl Display) -> Error {
         error::file(&self.origin, fault)
@@ -111,19 +115,17 @@ impl StudyFile {
     /// # Errors
     /// When the text is not a valid study.
     pub fn parse(text: &str, origin: &str, folder: &Path) -> Result<Self, Error> {
-        let fault = |fault: String| error::file(origin, readable(&fault));
-        let document: Document =
-            toml::from_str(text).map_err(|e: toml::de::Error| fault(e.to_string()))?;
+        let fault = |fault: toml::de::Error| error::file(origin, readable(&fault.to_string()));
         Ok(Self {
             origin: origin.to_owned(),
             folder: folder.to_owned(),
-            document,
+            ..toml::from_str(text).map_err(fault)?
         })
     }
 
     /// Loads the worlds, which are names of shipped or generated worlds, or paths.
     pub(super) fn worlds(&self) -> Result<Vec<Maze>, Error> {
-        let names = self.document.worlds.iter();
+        let names = self.worlds.iter();
         names.map(|name| self.world(name)).collect()
     }
 
@@ -148,7 +150,7 @@ impl StudyFile {
     /// Returns the default settings of a method, overridden by those of the study's robot.
     pub(super) fn robot_settings(&self, method: Method) -> Result<Settings, Error> {
         let defaults = Settings::of(method);
-        let Some(robot) = &self.document.robot else {
+        let Some(robot) = &self.robot else {
             return Ok(defaults);
         };
         let path = self.folder.join(robot);
@@ -163,21 +165,21 @@ impl StudyFile {
 
     /// Returns the settings of one world.
     pub(super) fn world_settings(&self, world: &str) -> Table {
-        let settings = self.document.world_settings.get(world);
+        let settings = self.world_settings.get(world);
         settings.cloned().unwrap_or_default()
     }
 
     /// Returns the sensors in one world and arena.
     pub(super) fn sensors(&self, world: &str, arena: ArenaKind) -> Vec<Sensor> {
-        let own = self.document.world_sensors.get(world);
-        let chosen = own.or(self.document.sensors.as_ref()).cloned();
+        let own = self.world_sensors.get(world);
+        let chosen = own.or(self.sensors.as_ref()).cloned();
         chosen.unwrap_or_else(|| vec![Sensor::usual_in(arena)])
     }
 
     /// Rejects settings and sensors of worlds that are not in the study.
     pub(super) fn check_worlds(&self, worlds: &[Maze]) -> Result<(), Error> {
-        let settings = self.document.world_settings.keys();
-        let mut named = settings.chain(self.document.world_sensors.keys());
+        let settings = self.world_settings.keys();
+        let mut named = settings.chain(self.world_sensors.keys());
         let unknown = named.find(|name| !worlds.iter().any(|maze| maze.name() == *name));
         unknown.map_or(Ok(()), |name| {
             let fault = format!("`{name}` is not a world of this study");
@@ -187,7 +189,7 @@ impl StudyFile {
 
     /// Returns the settings of one method.
     pub(super) fn method_settings(&self, method: Method) -> Result<Table, Error> {
-        let settings = &self.document.method_settings;
+        let settings = &self.method_settings;
         let known = |name: &str| Method::ALL.iter().any(|method| method.name() == name);
         if let Some(name) = settings.keys().find(|name| !known(name)) {
             let names: Vec<&str> = Method::ALL.iter().map(|method| method.name()).collect();

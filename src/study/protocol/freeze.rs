@@ -2,35 +2,28 @@
 
 use toml::Table;
 
-use super::agents::AgentArms;
-use super::overrides::Overrides;
-use super::variants::{Variation, number_of_combinations, product, variants};
+use super::variants::{Variation, number_of_combinations, variants};
 use super::{Arm, MOST_ARMS, MOST_GENERATED, MOST_WORLDS, Protocol, StudyFile};
 use crate::Error;
 use crate::agent::Method;
-use crate::arena::ArenaKind;
+use crate::study::custom::Agents;
 use crate::trial::{Resolved, Settings};
 use crate::world::{Maze, Recipe};
 use xcs::bounds::within;
 
-pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Error> {
-    let document = &file.document;
-    let arenas = overrides
-        .arena
-        .map_or(document.arenas.clone(), |arena| vec![arena]);
+pub fn freeze(file: &StudyFile, agents: &Agents) -> Result<Protocol, Error> {
     check_worlds(file)?;
-    check_number(file, document.worlds.len() * arenas.len())?;
+    check_number(file, agents)?;
     let worlds = file.worlds()?;
     let protocol = Protocol {
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        name: document.name.clone(),
-        seed: overrides.seed.unwrap_or(document.seed),
-        trials: overrides.trials.unwrap_or(document.trials),
-        episodes: overrides.episodes.unwrap_or(document.episodes),
-        drives: document.drives,
-        reference: overrides.reference.clone().or(document.reference.clone()),
-        arms: arms(file, &worlds, &arenas, overrides)?,
-        agent_arms: AgentArms(agent_arms(file, &worlds, &arenas, overrides)?),
+        name: file.name.clone(),
+        seed: file.seed,
+        trials: file.trials,
+        episodes: file.episodes,
+        drives: file.drives,
+        reference: file.reference.clone(),
+        arms: arms(file, &worlds, agents)?,
         worlds,
     };
     protocol.check_numbers()?;
@@ -42,7 +35,7 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Error
 
 /// Rejects too many worlds before any of them is created.
 fn check_worlds(file: &StudyFile) -> Result<(), Error> {
-    let names = &file.document.worlds;
+    let names = &file.worlds;
     within("worlds", names.len(), 0..=MOST_WORLDS)?;
     let recipes = names.iter().filter_map(|name| name.parse::<Recipe>().ok());
     let cells = recipes.map(|recipe| usize::from(recipe.size).pow(2)).sum();
@@ -51,16 +44,17 @@ fn check_worlds(file: &StudyFile) -> Result<(), Error> {
 }
 
 /// Rejects a study with too many combinations. A sweep alone can have billions.
-fn check_number(file: &StudyFile, places: usize) -> Result<(), Error> {
-    let document = &file.document;
-    let sensors = document.world_sensors.values().chain(&document.sensors);
-    let fixed = [
-        document.methods.len(),
+fn check_number(file: &StudyFile, agents: &Agents) -> Result<(), Error> {
+    let sensors = file.world_sensors.values().chain(&file.sensors);
+    let number = [
+        file.worlds.len(),
+        file.arenas.len(),
+        file.methods.len() + agents.names().count(),
         sensors.map(Vec::len).max().unwrap_or(1),
-        document.without.len() + 1,
+        file.without.len() + 1,
         number_of_combinations(file)?,
     ];
-    let number = fixed.into_iter().fold(places, usize::saturating_mul);
+    let number = number.into_iter().fold(1, usize::saturating_mul);
     if number <= MOST_ARMS {
         return Ok(());
     }
@@ -68,73 +62,57 @@ fn check_number(file: &StudyFile, places: usize) -> Result<(), Error> {
     Err(file.fault(fault))
 }
 
-/// Returns every combination, in the order of the file, worlds first.
-fn arms(
-    file: &StudyFile,
-    worlds: &[Maze],
-    arenas: &[ArenaKind],
-    overrides: &Overrides,
-) -> Result<Vec<Arm>, Error> {
+/// Returns every combination, in the order of the file, worlds first, and custom agents after the methods.
+fn arms(file: &StudyFile, worlds: &[Maze], agents: &Agents) -> Result<Vec<Arm>, Error> {
     file.check_worlds(worlds)?;
-    let variants = variants(file, overrides)?;
-    let mut arms = Vec::new();
-    for (maze, &method) in product(worlds, &file.document.methods) {
-        let world = maze.name();
-        let common = settings(file, world, method)?;
-        let own = override_with(&common, &file.origin, &file.method_settings(method)?)?;
-        let base = Resolved::new(&own, &[], &overrides.sets)?.settings;
-        arms.extend(arms_of(file, world, method, &base, &variants, arenas)?);
-    }
-    Ok(arms)
-}
-
-/// Returns the arms of a custom agent.
-fn agent_arms(
-    file: &StudyFile,
-    worlds: &[Maze],
-    arenas: &[ArenaKind],
-    overrides: &Overrides,
-) -> Result<Vec<Arm>, Error> {
-    // Its defaults are those of no method.
-    let method = Method::QLearning;
-    let variants = variants(file, overrides)?;
+    let variants = variants(file)?;
     let mut arms = Vec::new();
     for maze in worlds {
-        let world = maze.name();
-        let common = settings(file, world, method)?;
-        let base = Resolved::new(&common, &[], &overrides.sets)?.settings;
-        arms.extend(arms_of(file, world, method, &base, &variants, arenas)?);
+        for &method in &file.methods {
+            let common = settings(file, maze.name(), method)?;
+            let own = override_with(&common, &file.origin, &file.method_settings(method)?)?;
+            arms.extend(arms_of(file, maze, method, &own, &variants)?);
+        }
+        for name in agents.names() {
+            // Its settings are those of no method.
+            let method = Method::QLearning;
+            let own = settings(file, maze.name(), method)?;
+            let own = arms_of(file, maze, method, &own, &variants)?.into_iter();
+            arms.extend(own.map(|arm| Arm {
+                agent: Some(name.clone()),
+                ..arm
+            }));
+        }
     }
     Ok(arms)
 }
 
-/// Returns the arms of a method in a world.
+/// Returns the arms of a method with these settings in a world.
 fn arms_of(
     file: &StudyFile,
-    world: &str,
+    maze: &Maze,
     method: Method,
-    base: &Settings,
+    settings: &Settings,
     variants: &[Variation],
-    arenas: &[ArenaKind],
 ) -> Result<Vec<Arm>, Error> {
+    let base = Resolved::new(settings, &[], &file.sets)?.settings;
     let mut arms = Vec::new();
     for (table, variant) in variants {
-        let settings = override_with(base, &origin_of_variants(file), table)?;
-        let sensors = |&arena| {
-            file.sensors(world, arena)
-                .into_iter()
-                .map(move |s| (arena, s))
-        };
-        for (arena, sensor) in arenas.iter().flat_map(sensors) {
-            arms.push(Arm {
-                world: world.to_owned(),
-                method,
-                arena,
-                sensor,
-                variant: variant.clone(),
-                settings: settings.clone(),
-                agent: None,
-            });
+        let settings = override_with(&base, &origin_of_variants(file), table)?;
+        for &arena in &file.arenas {
+            arms.extend(
+                file.sensors(maze.name(), arena)
+                    .into_iter()
+                    .map(|sensor| Arm {
+                        world: maze.name().to_owned(),
+                        method,
+                        arena,
+                        sensor,
+                        variant: variant.clone(),
+                        settings: settings.clone(),
+                        agent: None,
+                    }),
+            );
         }
     }
     Ok(arms)
@@ -143,11 +121,7 @@ fn arms_of(
 /// Resolves the settings of all methods in a world: default < robot < study < world. Those of one
 /// method and the command line override them.
 fn settings(file: &StudyFile, world: &str, method: Method) -> Result<Settings, Error> {
-    let common = override_with(
-        &file.robot_settings(method)?,
-        &file.origin,
-        &file.document.settings,
-    )?;
+    let common = override_with(&file.robot_settings(method)?, &file.origin, &file.settings)?;
     override_with(&common, &file.origin, &file.world_settings(world))
 }
 
@@ -158,7 +132,7 @@ fn override_with(base: &Settings, origin: &str, table: &Table) -> Result<Setting
 
 /// Returns the origin of variant settings, for messages.
 fn origin_of_variants(file: &StudyFile) -> String {
-    match file.document.without.is_empty() {
+    match file.without.is_empty() {
         true => format!("{}, sweep", file.origin),
         false => format!("{}, sweep or without", file.origin),
     }
@@ -261,6 +235,18 @@ mod tests {
         };
         assert_eq!(figures(0), (0.1, 0.1, 0.4));
         assert_eq!(figures(1), (0.3, 0.1, 0.4));
+    }
+
+    #[test]
+    fn an_agent_has_the_settings_of_the_study_and_those_of_no_method() {
+        let text = "name = 's'\nworlds = ['maze4', 'maze5']\nmethods = ['xcs', 'q-learning']\ntrials = 1\nepisodes = 1\n[world-settings.maze5]\nreward.goal = 5\n[method-settings.xcs]\nreward.goal = 6\n[method-settings.q-learning]\nreward.goal = 7\n";
+        let file = StudyFile::parse(text, "s.toml", std::path::Path::new("")).unwrap();
+        let agents = Agents::default().with("own", |_| unreachable!("no trial is run"));
+        let arms = Protocol::new(&file, &agents.unwrap()).unwrap().arms;
+        let names: Vec<&str> = arms.iter().map(Arm::method_name).collect();
+        assert_eq!(names, ["xcs", "q-learning", "own"].repeat(2));
+        assert_eq!(arms[2].settings, Settings::default());
+        assert_eq!(arms[5].settings.reward.goal, 5.0);
     }
 
     #[test]

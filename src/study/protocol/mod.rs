@@ -1,11 +1,9 @@
 //! The protocol of a study, which is fixed before its first trial.
 
-mod agents;
 mod differences;
 mod file;
 mod freeze;
 mod keys;
-mod overrides;
 mod shipped;
 mod variants;
 
@@ -15,17 +13,16 @@ use std::fmt;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::value::RawValue;
 
-use agents::{AgentArms, is_plain_name};
 pub(super) use differences::distinct;
 pub(super) use file::NOTHING;
 pub use file::StudyFile;
 pub use keys::StudyKey;
-pub use overrides::Overrides;
 
 use crate::Error;
 use crate::agent::Method;
 use crate::arena::ArenaKind;
 use crate::sensor::Sensor;
+use crate::study::custom::Agents;
 use crate::trial::{Config, Plan, Settings};
 use crate::world::Maze;
 use xcs::bounds::{OutOfRange, within};
@@ -91,12 +88,6 @@ impl Arm {
         let name = format!("{} {} {}", self.world, words.join(" "), self.variant);
         name.trim_end().to_owned()
     }
-
-    /// Returns true if the arms differ in nothing but the method.
-    fn differs_only_in_method(&self, other: &Self) -> bool {
-        let place = |arm: &Self| (arm.arena, arm.sensor, arm.world.clone());
-        place(self) == place(other) && self.variant == other.variant
-    }
 }
 
 /// A study with all settings resolved. It determines the plan of each trial.
@@ -128,18 +119,15 @@ pub struct Protocol {
     pub worlds: Vec<Maze>,
     /// The arms that are compared.
     pub arms: Vec<Arm>,
-    /// The arms of a custom agent.
-    #[serde(skip)]
-    agent_arms: AgentArms,
 }
 
 impl Protocol {
-    /// Freezes a study file with the overrides of the command line.
+    /// Freezes a study file, with custom agents in addition to its methods.
     ///
     /// # Errors
     /// When a world, a setting or a number is invalid.
-    pub fn new(file: &StudyFile, overrides: &Overrides) -> Result<Self, Error> {
-        freeze::freeze(file, overrides)
+    pub fn new(file: &StudyFile, agents: &Agents) -> Result<Self, Error> {
+        freeze::freeze(file, agents)
     }
 
     /// Returns the id of the study: a checksum of everything in the protocol.
@@ -219,8 +207,7 @@ impl Protocol {
         self.check_names()?;
         self.check_arms()?;
         self.check_reference()?;
-        // Custom agents are added later.
-        if self.is_empty() && self.agent_arms.0.is_empty() {
+        if self.is_empty() {
             return Err("it has no trials: list worlds and methods".to_owned());
         }
         if !self.arms.iter().all(known) {
@@ -289,16 +276,19 @@ pub(super) fn id_of(json: &str) -> String {
     format!("{:08x}", crc32fast::hash(json.as_bytes()))
 }
 
+/// Returns true for a valid name of a custom agent or of a variant. It is printed in tables, pages
+/// and terminals.
+pub(super) fn is_plain_name(name: &str) -> bool {
+    let is_plain = |letter: char| matches!(letter, 'a'..='z' | '0'..='9' | '-');
+    (1..=40).contains(&name.len()) && name.chars().all(is_plain)
+}
+
 /// Freezes the study file `s.toml` with this text and these settings of the command line.
 #[cfg(test)]
 pub(super) fn frozen(text: &str, sets: &[&str]) -> Result<Protocol, Error> {
-    let sets = sets.iter().map(|set| (*set).to_owned()).collect();
-    let file = StudyFile::parse(text, "s.toml", std::path::Path::new(""))?;
-    let overrides = Overrides {
-        sets,
-        ..Overrides::default()
-    };
-    Protocol::new(&file, &overrides)
+    let mut file = StudyFile::parse(text, "s.toml", std::path::Path::new(""))?;
+    file.sets = sets.iter().map(|set| (*set).to_owned()).collect();
+    Protocol::new(&file, &Agents::default())
 }
 
 fn write_mazes<S: Serializer>(mazes: &[Maze], out: S) -> Result<S::Ok, S::Error> {

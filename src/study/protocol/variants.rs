@@ -3,7 +3,6 @@
 use toml::{Table, Value};
 
 use super::file::NOTHING;
-use super::overrides::Overrides;
 use super::{StudyFile, Variant, is_plain_name};
 use crate::Error;
 use crate::trial::{flatten, value_of};
@@ -24,16 +23,15 @@ pub(super) type Variation = (Table, Variant);
 
 /// Returns the combinations of the sweep, and each of them without the parts to leave out, with their
 /// settings. Returns a single empty variant when nothing is varied.
-pub(super) fn variants(file: &StudyFile, overrides: &Overrides) -> Result<Vec<Variation>, Error> {
+pub(super) fn variants(file: &StudyFile) -> Result<Vec<Variation>, Error> {
     let mut variants = Vec::new();
     for grid in grids(file)? {
         let keys = grid.settings.iter().map(|(key, _)| key);
-        keys.into_iter()
-            .try_for_each(|key| refuse_set(file, overrides, key))?;
+        keys.into_iter().try_for_each(|key| refuse_set(file, key))?;
         variants.extend(grid.combinations());
     }
     refuse_twins(file, &variants)?;
-    let switches = &file.document.without;
+    let switches = &file.without;
     if switches.is_empty() {
         return Ok(variants);
     }
@@ -44,7 +42,7 @@ pub(super) fn variants(file: &StudyFile, overrides: &Overrides) -> Result<Vec<Va
             with_entry(&variant.1, "without", NOTHING),
         ));
         for (switch, off) in switches.iter().map(|part| switched_off(part)) {
-            refuse_set(file, overrides, switch)?;
+            refuse_set(file, switch)?;
             refuse_swept(file, &variant.0, switch)?;
             let (table, _) = varied(&variant, switch, &off);
             with_switches.push((table, with_entry(&variant.1, "without", switch)));
@@ -65,7 +63,7 @@ pub(super) fn number_of_combinations(file: &StudyFile) -> Result<usize, Error> {
 
 /// Returns the tables of the sweep. A study without a sweep has an empty one.
 fn grids(file: &StudyFile) -> Result<Vec<Grid>, Error> {
-    match file.document.sweep.clone() {
+    match file.sweep.clone() {
         None => Ok(vec![Grid::default()]),
         Some(Value::Table(table)) => Ok(vec![Grid::new(file, table)?]),
         Some(Value::Array(tables)) if !tables.is_empty() => {
@@ -162,9 +160,9 @@ pub(super) fn product<'a, 'b, A, B>(
 }
 
 /// Rejects a varied setting that is also set on the command line.
-fn refuse_set(file: &StudyFile, overrides: &Overrides, key: &str) -> Result<(), Error> {
+fn refuse_set(file: &StudyFile, key: &str) -> Result<(), Error> {
     let is_same = |set: &String| set.split('=').next().is_some_and(|k| k.trim() == key);
-    if !overrides.sets.iter().any(is_same) {
+    if !file.sets.iter().any(is_same) {
         return Ok(());
     }
     let fault = format!("`{key}` is swept by this study: leave it out of --set");
