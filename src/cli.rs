@@ -37,8 +37,8 @@ Exit codes:
       same command. Nothing is kept of an interrupted `evaluate`
  130  interrupted for the second time, and ended at once";
 
-/// A mobile robot in a physics-simulated maze learns readable rules, and every
-/// episode can be replayed in Foxglove.
+/// A simulated robot learns rules that lead it to a goal in a maze. Every recorded episode can be
+/// watched, in a browser or in Lichtblick.
 ///
 /// Results go to stdout, everything else to stderr. NO_COLOR is honoured.
 #[derive(Debug, Parser)]
@@ -60,11 +60,11 @@ pub enum Command {
     Drive(DriveArgs),
     /// Simulate a ROS 2 robot in a maze.
     Simulate(SimulateArgs),
-    /// Print the learned rules, all of them or compacted.
+    /// Print the learned rules: the fewest that make all decisions, or all.
     Rules(RulesArgs),
     /// Write the learned policy as source code for a robot, or as a table.
     Export(ExportArgs),
-    /// Open recordings in Foxglove or Lichtblick.
+    /// Open recordings in Lichtblick or Foxglove, or write a web page that plays them.
     Replay(ReplayArgs),
     /// Summarise, check, verify and convert recordings.
     #[command(subcommand)]
@@ -80,7 +80,7 @@ pub enum Command {
     /// List and show robot profiles.
     #[command(subcommand)]
     Robot(RobotCommand),
-    /// Show all settings and where each came from.
+    /// Show all settings and where each value comes from.
     #[command(subcommand)]
     Config(ConfigCommand),
     /// Print completions for a shell, such as `source <(xcscr completions bash)`.

@@ -14,7 +14,11 @@ use xcscr::trial::{Resolved, Settings};
 
 /// The page of the documentation, as the declarations have it.
 fn page() -> String {
-    let mut page = "# Settings\n\nEvery setting with its default and its range. Some methods have other defaults, which follow in parentheses. A setting without a range is a switch, `true` or `false`, or its description gives the range. \
+    let mut page = "# Settings\n\nEvery setting with its default and its range. The full name of a setting begins with its section: \
+        `--set arena.slip=0.1` changes `slip` of the section `arena` \
+        ([other ways](../how-to/choose-a-method.md#change-settings)). Defaults of single methods follow in parentheses. \
+        A setting without a range is a switch, `true` or `false`, or its description gives the range. \
+        [XCS on one page](../explanation/xcscr.md#xcs-on-one-page) explains the symbols. \
         This page is generated from the declarations in the source \
         (`UPDATE_DOCS=1 cargo test --test suite settings::` regenerates it).\n"
         .to_owned();

@@ -46,7 +46,7 @@ pub struct ConvertArgs {
     )]
     rotate: Rotation,
     /// Lower left corner of the grid in metres from that of the image, or `auto` for the corner
-    /// with the most moves between cells that lead to the goal.
+    /// with the most open moves between cells that can reach the goal.
     #[arg(long, value_name = "auto|X,Y", default_value = "auto", value_parser = offset, allow_hyphen_values = true)]
     offset: Offset,
     /// Draw the map, the grid, the start and the goal into this SVG file.

@@ -32,7 +32,7 @@ pub struct DriveArgs {
     /// Compare the profile of the robot with the recorded drive: speeds, lag, odometry and ranges.
     #[arg(long, requires = "bag")]
     compare: bool,
-    /// Write a profile with the values of the drive where they differ.
+    /// Write a new profile, with the values of the drive where they differ.
     #[arg(long, value_name = "FILE", requires_all = ["compare", "robot"])]
     write_profile: Option<PathBuf>,
     /// The robot: a bundled profile or a TOML file. It must be the robot that the policy was
@@ -49,15 +49,15 @@ pub struct DriveArgs {
     /// Deviation of the robot from the start pose: in metres, and in radians [default: 0.01,0.01].
     #[arg(long, value_name = "M,RAD", value_parser = node::numbers::<2>)]
     start_tolerance: Option<[f64; 2]>,
-    /// Where the pose comes from: the own filter, or the transform from map to odom on /tf, such as
-    /// of AMCL.
+    /// Where the pose comes from: xcscr's own filter, or the transform from map to odom on /tf, such as
+    /// that of AMCL.
     #[arg(long, value_name = "SOURCE", default_value = "own")]
     localise: Localise,
-    /// Take the ways of the wheels from /joint_states: the names of the left and the right joint, and
-    /// the radius of the wheels in metres. For robots whose odometry has the heading of the IMU.
+    /// Take the rotation of the wheels from /joint_states: the names of the left and the right joint,
+    /// and the radius of the wheels in metres. For robots whose odometry has the heading of the IMU.
     #[arg(long, value_name = "LEFT,RIGHT,M", value_parser = node::wheels)]
     wheels: Option<Wheels>,
-    /// Pose of the lidar on the robot: x and y in metres, heading in radians [default: by
+    /// Pose of the lidar on the robot: x and y in metres, heading in radians [default: from
     /// /tf_static].
     #[arg(long, value_name = "X,Y,YAW", value_parser = node::pose, allow_hyphen_values = true)]
     laser: Option<[f64; 3]>,
@@ -68,7 +68,7 @@ pub struct DriveArgs {
     #[arg(long, value_name = "P", default_value = "")]
     frame_prefix: String,
     /// Order in which scans list their beams: forward, reversed with the time of the last beam (LDS),
-    /// or of the first (RPLIDAR) [default: of --robot, or forward].
+    /// or of the first (RPLIDAR) [default: that of --robot, or else forward].
     #[arg(long, value_name = "ORDER", value_parser = choices::one_of(ScanOrder::VARIANTS, <&str>::from))]
     scan_order: Option<ScanOrder>,
     /// Take the time from /clock, for a simulated robot.

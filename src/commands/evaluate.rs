@@ -32,11 +32,11 @@ pub struct EvaluateArgs {
     #[command(flatten)]
     settings: SettingsArgs,
     /// Exit with code 1 unless every episode takes a shortest path. Where moves slip, exit with
-    /// code 1 unless every action is a best one.
+    /// code 1 unless every chosen action is one of the best.
     #[arg(long)]
     require_optimal: bool,
-    /// Evaluate under noise 0 to 5, slip, observation noise, slippery floors and sensor faults,
-    /// with the same seed, and print one table.
+    /// Evaluate under noise 0 to 5, action slip, observation noise, slippery floors, sensor faults,
+    /// and in worlds from maps with a box on the route. Print one table.
     #[arg(long, conflicts_with = "require_optimal")]
     robustness: bool,
     /// Print one JSON document instead of the report.

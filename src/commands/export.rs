@@ -20,8 +20,7 @@ use super::results::Results;
 pub struct ExportArgs {
     #[command(flatten)]
     learned: LearnedArgs,
-    /// Format: source code that chooses the same actions as `evaluate`, including the maps of rules
-    /// that use maps, or the rules as data.
+    /// Format: source code that chooses the same actions as `evaluate`, or the rules as data.
     #[arg(long, value_parser = TargetParser)]
     target: Target,
     /// File to write [default: standard output].

@@ -115,7 +115,8 @@ pub fn wheels(text: &str) -> Result<Wheels, String> {
 /// Returns the failure of a build without ROS 2.
 #[cfg(not(feature = "ros2"))]
 pub fn missing() -> Failure {
-    let message = "this build has no ROS 2: build it with `cargo build --features ros2`";
+    let message =
+        "this build has no ROS 2: install it with `cargo install --path . --features ros2`";
     Failure::new(ErrorKind::Usage, message)
 }
 

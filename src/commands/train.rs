@@ -45,7 +45,7 @@ pub struct TrainArgs {
     /// Number of episodes.
     #[arg(long, default_value_t = 180, value_name = "N", value_parser = choices::count::<u32>)]
     episodes: u32,
-    /// Root seed of all random streams. The same seed gives the same bytes.
+    /// Seed of all random numbers. The same command and seed give the same bytes.
     #[arg(long, default_value_t = 1, value_name = "S", value_parser = choices::seed)]
     seed: u64,
     /// Folder of the run [default: recordings/<world>-<method>-<arena>-s<seed>].
@@ -60,7 +60,7 @@ pub struct TrainArgs {
     resume: Option<PathBuf>,
     #[command(flatten)]
     settings: SettingsArgs,
-    /// Start from rules learned elsewhere: a rules.json file or the folder of a run.
+    /// Start with what another run learned: the folder of the run, or its rules.json.
     #[arg(long, value_name = "RULES|RUN", conflicts_with = "resume")]
     init_rules: Option<PathBuf>,
     /// Episodes to record: all, every:N, beams (all, with each lidar beam) or none.

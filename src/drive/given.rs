@@ -20,7 +20,7 @@ const MAP: &str = "map";
 /// Where the pose of the robot comes from.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum PoseSource {
-    /// The own filter.
+    /// The filter of the drive.
     #[default]
     Own,
     /// The transform from `map` to `odom` on `/tf`, of another localiser.

@@ -81,7 +81,7 @@ impl DriveSetup {
         }
         if !config.sensor.is_sensed() {
             return Err(refusal(format!(
-                "the percept `{}` is ground truth, which no robot can sense; train with `--sensor lidar` or \
+                "a robot cannot sense the percept `{}`, which is read from the maze; train with `--sensor lidar` or \
                  `lidar-position`",
                 config.sensor.name()
             )));
@@ -160,7 +160,7 @@ fn robot(plan: &Plan, profile: Option<&RobotProfile>) -> Result<PhysicsParams, E
     match difference("physics", &trained, &own) {
         None => Ok(found),
         Some((setting, trained, found)) => Err(refusal(format!(
-            "the policy was trained with another robot than {robot}: `{setting}` is {trained} there and {found} \
+            "the policy was trained with a different robot, not with {robot}: `{setting}` is {trained} there and {found} \
              here; train it with `--robot {robot}`"
         ))),
     }

@@ -118,7 +118,7 @@ settings! {
     pub struct EncoderParams {
         /// Length of a tick in m.
         tick_m: f64 = 0.001, in 0.00001..=0.05;
-        /// Deviation of a wheel's scale, drawn once for each robot.
+        /// Relative deviation of the distance that a wheel's encoder counts, drawn once for each robot.
         scale: f64 = 0.02, in 0.0..=0.05;
     }
 }
@@ -167,7 +167,7 @@ settings! {
         /// Growth of the gyro's bias, in rad/s per second. At 0.001 the bias is 3.4 deg/s after a
         /// minute.
         gyro_drift_radps2: f64 = 0.0, in 0.0..=0.1;
-        /// Keep the front bumper from ever closing.
+        /// Keep the front bumper open, whatever it touches.
         dead_bumper: bool = false;
     }
 }
@@ -177,7 +177,7 @@ settings! {
 
     /// The filter. Each mechanism has a switch, so that its benefit can be measured.
     pub struct EstimatorParams {
-        /// Use every n-th beam of a turn, for the filter and for the map. The computing time of a
+        /// Use every n-th beam of a turn, for the filter and for the percept. The computing time of a
         /// step grows with the number of beams.
         use_every_nth_beam: u32 = 1, in 1..=2048;
         /// Difference in m/s between wheels and gyro, beyond their noise, above which the wheels

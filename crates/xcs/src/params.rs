@@ -62,7 +62,7 @@ settings! {
         population_size: u32 = 1600, in 32..=GREATEST_POPULATION;
         /// P#: the probability of a don't-care in covering.
         dont_care: f64 = 0.3, in 0.0..=1.0;
-        /// beta: the learning rate.
+        /// beta: the learning rate. With learning-rate switching, `reward.beta_success` and its siblings replace it.
         beta: f64 = 0.2, in 1e-6..=1.0;
         /// alpha: the drop in accuracy at the error threshold.
         alpha: f64 = 0.1, in 0.0..=1.0;
@@ -72,7 +72,7 @@ settings! {
         /// nu: the exponent with which accuracy falls with error; an integer, so that no
         /// platform-dependent `pow` is needed.
         nu: u32 = 5, in 1..=20;
-        /// theta_GA: the mean number of steps between two runs of the GA in one niche.
+        /// theta_GA: the mean number of steps between two runs of the GA in one action set.
         theta_ga: u32 = 25, in 0..=1_000_000;
         /// chi: the probability of crossover.
         chi: f64 = 0.8, in 0.0..=1.0;

@@ -17,8 +17,8 @@ pub struct ReplayArgs {
     /// Recordings (.mcap), or the folder of a run. `--html` takes the folder of a study, too.
     #[arg(required = true, value_name = "RECORDING|RUN")]
     recordings: Vec<PathBuf>,
-    /// Write a web page that plays the recording without network, server or viewer. For a run, the
-    /// page has a drive of the learned policy and the episodes; for a study, those of its best trial.
+    /// Write a web page that plays the recording without network, server or viewer. For a run, it
+    /// plays the learned policy and the episodes; for a study, those of its best trial.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     /// Replace the file of `--html` if it exists.

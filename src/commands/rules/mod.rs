@@ -21,7 +21,7 @@ pub struct RulesArgs {
     /// choice.
     #[arg(long, value_name = "COL,ROW", value_parser = cell, conflicts_with_all = ["all", "json", "csv"])]
     why: Option<Cell>,
-    /// Print all rules of the population, not only the fewest that keep all decisions.
+    /// Print all rules of the population, not only the fewest that make the same decisions.
     #[arg(long)]
     all: bool,
     /// Print a rules.json file, which `evaluate` and `train --init-rules` read.

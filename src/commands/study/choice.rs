@@ -23,7 +23,7 @@ pub(super) struct ChoiceArgs {
     /// Root seed of all trials.
     #[arg(long, value_name = "S", value_parser = choices::seed)]
     seed: Option<u64>,
-    /// Method that the report compares with each other one.
+    /// Method that the report compares with each of the others.
     #[arg(long, value_name = "METHOD")]
     reference: Option<String>,
     /// Arena to use instead of the study's.

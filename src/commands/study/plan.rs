@@ -20,7 +20,7 @@ pub struct PlanArgs {
     /// Number of tasks to split the study into, each one cluster job.
     #[arg(long, value_name = "N")]
     tasks: Option<usize>,
-    /// Freeze the study in this folder, for `study task`, and print an array job
+    /// Save the plan of the study in this folder for `study task`, and print an array job
     /// for Slurm.
     #[arg(long, value_name = "DIR", requires = "tasks")]
     out: Option<PathBuf>,

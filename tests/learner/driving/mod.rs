@@ -296,7 +296,7 @@ fn a_policy_for_another_robot_or_other_cells_is_refused() {
     };
     let message = refusal(robot("turtlebot3-burger")).unwrap();
     assert!(
-        message.contains("another robot than turtlebot3-burger"),
+        message.contains("a different robot, not with turtlebot3-burger"),
         "{message}"
     );
     assert_eq!(refusal(robot("default")), None, "control");
@@ -325,7 +325,7 @@ fn a_ground_truth_percept_is_refused() {
     let knowledge = Knowledge::Table(std::collections::BTreeMap::new());
     let refused = DriveSetup::new(&plan, &knowledge, DriveOptions::default());
     let message = refused.map_or_else(|error| error.to_string(), |_| String::new());
-    assert!(message.starts_with("the percept `position` is ground truth"));
+    assert!(message.starts_with("a robot cannot sense the percept `position`"));
 }
 
 #[test]

@@ -7,7 +7,8 @@ settings! {
 
     /// Settings of the episode loop.
     pub struct Params {
-        /// p_explr: the probability that a step explores, taking a random action.
+        /// p_explr: the probability that a step takes a random action. `xcscr-plus` and `r-max` ignore it unless
+        /// `plus.planned_exploration` is false.
         explore: f64 = 0.3, in 0.0..=1.0;
         /// Alternate, as in Wilson's experiments with XCS: an episode with random actions and the
         /// GA, then a greedy episode without the GA. Both learn. `explore` has no effect then.

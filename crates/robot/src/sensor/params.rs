@@ -9,9 +9,8 @@ settings! {
 
     /// Settings of the percepts.
     pub struct SensorParams {
-        /// Observation noise: the probability that a bit of the percept is inverted, whatever the
-        /// percept. Each bit is drawn independently after each action. All methods treat every
-        /// percept as correct.
+        /// Observation noise: the probability that a bit of a percept is inverted. Each bit is drawn
+        /// independently after each action. All methods treat every percept as correct.
         flip_probability: f64 = 0.0, in 0.0..=0.1;
         /// The number of earlier steps that learners perceive: each percept is followed by the last actions, and by
         /// the percepts in which they were taken. An episode begins without earlier steps.

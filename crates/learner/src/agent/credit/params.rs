@@ -58,9 +58,9 @@ settings! {
 
     /// Rewards, and the parameters and switches of the reward methods.
     pub struct Params {
-        /// r_l for reaching a goal (paper, section II-C).
+        /// r_l, the long-term reward for reaching a goal (paper, section II-C).
         goal: f64 = 1000.0, in 0.0..=1e6;
-        /// r_l for a failure. The paper gives 0 (section II-C), but figures 2 and 5 show values
+        /// r_l, the long-term reward for a failure. The paper gives 0 (section II-C), but figures 2 and 5 show values
         /// below 0, and the text mentions negative long-term rewards.
         failure: f64 = 0.0, in -1e6..=0.0;
         /// Rewards of `xcs` and `xcsam`. `all`: the reward of each step, and that of the goal at the
@@ -72,15 +72,15 @@ settings! {
         /// When the GA runs in methods with a reward stack. `after-credit`: after the episode.
         /// `each-step`: in each step, before its reward is known.
         stack_evolution: StackEvolution = StackEvolution::AfterCredit;
-        /// r_s of a step (paper, section II-C).
+        /// r_s, the short-term reward of a step without a collision (paper, section II-C).
         step: f64 = -1.0, in -1e6..=0.0;
-        /// r_s of a step that ends in a collision (paper, section II-C).
+        /// r_s, the short-term reward of a step that ends in a collision (paper, section II-C).
         collision: f64 = -50.0, in -1e6..=0.0;
-        /// gamma: the discount per step. At 0.71, twelve steps from the goal, the payoffs of
-        /// neighbouring cells differ by less than epsilon_0, and rules that mix them look accurate.
+        /// gamma: the discount per step. With 0.71, the payoffs of neighbouring cells twelve steps from the goal
+        /// differ by less than epsilon_0. Rules that match both then look accurate.
         gamma: f64 = 0.9, in 0.0..=1.0;
-        /// c of Eq. 8, in steps. At 0 it is the length of the shortest success so far in the trial,
-        /// so that the best path gets full shares.
+        /// c of Eq. 8, in steps. 0 means the length of the shortest success of the trial so far: then the best path
+        /// gets the whole reward in each step.
         even_constant: f64 = 0.0, in 0.0..=1e6;
         /// The initial step limit: the maximum number of steps of an episode. The paper calls it the
         /// step-threshold and does not print its value.
@@ -88,7 +88,7 @@ settings! {
         /// Raise the step limit to four times the shortest path from the farthest start if
         /// `step_threshold` is lower. Setting `step_threshold` turns this off.
         step_threshold_from_maze: bool = true;
-        /// How `xcscr` shares the reward of an episode among its steps. `even`: equally.
+        /// How the reward of an episode is shared among its steps, where the mechanisms act. `even`: equally.
         /// `discounted`: less for steps further from the end.
         sharing: Sharing = Sharing::Discounted;
         /// theta_rs: the short-term filter applies to rewards up to this value (Alg. 1).
@@ -104,13 +104,14 @@ settings! {
         /// (section III-A) and learns punishments with 0.05 (section III-C). The paper learns
         /// everything else with 0.2.
         beta_collision: f64 = 0.2, in 1e-6..=1.0;
-        /// Enable the short-term reward filter of `xcscr`.
+        /// Enable the short-term reward filter (`xcscr`, `xcscr-coevolved` and `xcscr-plus`).
         short_term_filter: bool = true;
-        /// Enable imprinting in `xcscr`.
+        /// Enable imprinting after failures (`xcscr`, `xcscr-coevolved` and `xcscr-plus`).
         imprinting: bool = true;
-        /// Enable learning-rate switching in `xcscr`. Without it, all updates use `xcs.beta`.
+        /// Enable learning-rate switching (`xcscr`, `xcscr-coevolved` and `xcscr-plus`). Without it, all updates use
+        /// `xcs.beta`.
         learning_rate_switching: bool = true;
-        /// Enable learning of the step limit in `xcscr`. In a world without a start cell, the limit is not learned,
+        /// Enable learning of the step limit (`xcscr`, `xcscr-coevolved` and `xcscr-plus`). In a world without a start cell, the limit is not learned,
         /// because a success from a near start says nothing about a far one.
         learning_step_threshold: bool = true;
     }

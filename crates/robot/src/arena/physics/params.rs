@@ -52,9 +52,9 @@ settings! {
         max_speed_mps: f64 = 1.4, in 0.02..=3.0;
         /// Largest turn rate in rad/s.
         max_turn_radps: f64 = 12.0, in 0.1..=15.0;
-        /// Heading correction (a sine) per metre of distance from the track.
+        /// Sine of the heading correction per metre of distance from the track.
         track_gain_per_m: f64 = 3.2, in 0.5..=8.0;
-        /// Deceleration before the target in m/s^2, 0.05 to what the wheels can do. Above half of
+        /// Deceleration before the target in m/s^2, from 0.05 to `wheel_acceleration_mps2`. Above half of
         /// that, the robot overshoots.
         deceleration_mps2: f64 = 3.09;
         /// Angular deceleration at the end of a turn in rad/s^2.
@@ -64,7 +64,7 @@ settings! {
         arrival_m: f64 = 0.034, in 0.002..=0.2;
         /// Speed in m/s below which a move can end. The robot must also be within `arrival_m`.
         arrival_mps: f64 = 0.57, in 0.01..=2.0;
-        /// Heading error (a sine) below which a turn can end. The turn rate must also be below
+        /// Sine of the heading error below which a turn can end. The turn rate must also be below
         /// `aligned_radps`.
         aligned: f64 = 0.167, in 0.02..=0.4;
         /// Turn rate in rad/s below which a turn can end. The heading error must also be below
@@ -72,10 +72,11 @@ settings! {
         aligned_radps: f64 = 1.73, in 0.05..=5.0;
         /// Time limit of an action in s. With the defaults a move takes 1.2 s in a cell of 1 m.
         time_out_s: f64 = 10.0, in 0.05..=600.0;
-        /// Deviation of a wheel's scale, drawn for each action.
+        /// Relative deviation of the distance that a wheel drives, drawn for each action. The encoders do not measure
+        /// it.
         wheel_bias: f64 = 0.05, in 0.0..=0.1;
-        /// How the robot is localised: `ground-truth` (its true pose, with noise) or
-        /// `estimated` (from its sensors).
+        /// How the robot is localised: `ground-truth` (its true pose, with noise) or `estimated` (from its sensors).
+        /// With the percepts `lidar` and `lidar-position` the pose is always estimated.
         localisation: Localisation = Localisation::GroundTruth;
         /// The lidar.
         lidar: LidarParams = LidarParams::default();
