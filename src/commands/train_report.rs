@@ -172,7 +172,7 @@ impl TrainReport {
 
     fn rule_counts(&self) -> String {
         match self.fewest_rules {
-            Some(few) => format!("{few} of {} keep all decisions", self.rules),
+            Some(few) => format!("{few} of {} are enough for all decisions", self.rules),
             None => self.rules.to_string(),
         }
     }

@@ -54,7 +54,7 @@ pub fn headline(plan: &Plan, all: usize, compacted: Option<&Compacted>) -> Strin
     };
     let optimal = if compacted.optimal { "" } else { "not " };
     format!(
-        "{world}, {sensor}: the {} rules of {all} that keep all decisions (`--all` prints all)\n  their policy is \
+        "{world}, {sensor}: {} of {all} rules are enough for all decisions (`--all` prints all)\n  their policy is \
          {optimal}globally optimal",
         compacted.rules.len(),
     )
