@@ -259,3 +259,31 @@ fn beams_that_are_listed_from_the_last_to_the_first_have_their_times() {
         assert!((again.angle_increment_rad - scan.angle_increment_rad).abs() < 1e-12);
     }
 }
+
+#[test]
+fn scans_in_the_order_of_the_rplidar_need_that_order() {
+    let ends_with = |scan_order: ScanOrder, seed: u64| {
+        let options = DriveOptions {
+            scan_order: Some(scan_order),
+            ..DriveOptions::default()
+        };
+        let step = drive_with(&mut Rig::new(maze4(), seed, options), |readings| {
+            for scan in &mut readings.scans {
+                *scan = scan.listed(ScanOrder::ReversedFromFirst);
+            }
+        });
+        let is_mislocalised = |fault: &Fault| matches!(fault, Fault::Mislocalised(_));
+        (step.phase, step.faults.iter().any(is_mislocalised))
+    };
+    for seed in 1..=3 {
+        let (phase, _) = ends_with(ScanOrder::ReversedFromFirst, seed);
+        assert_eq!(phase, Phase::AtGoal, "seed {seed}");
+        for wrong in [ScanOrder::Forward, ScanOrder::Reversed] {
+            let (phase, is_mislocalised) = ends_with(wrong, seed);
+            assert!(
+                is_mislocalised,
+                "control: {wrong:?}, seed {seed}: {phase:?}"
+            );
+        }
+    }
+}
