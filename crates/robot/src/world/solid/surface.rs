@@ -199,6 +199,7 @@ mod tests {
         let expected = Vector2::new(-0.6, 0.8);
         assert!((surface.unwrap().normal - expected).norm() < 1e-9);
     }
+
     #[test]
     fn a_beam_that_ends_behind_a_thin_wall_hit_its_front() {
         let bits = (0..48).map(|at| at % 8 == 5).collect();
