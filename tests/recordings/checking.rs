@@ -10,6 +10,7 @@ use mcap::WriteOptions;
 use serde_json::Value;
 use xcscr::record::layout;
 use xcscr::record::reader::{Message, Recording, TopicInfo};
+use xcscr::world::Maze;
 
 /// What a recording of an episode in physics is made of.
 fn episode() -> Parts {
@@ -95,6 +96,21 @@ fn layouts_show_only_topics_and_fields_that_recordings_have() {
             !missing.is_empty() && missing.iter().all(|one| one.starts_with(nowhere)),
             "{missing:?}"
         );
+    }
+}
+
+#[test]
+fn every_3d_panel_shows_the_greedy_path_of_a_very_large_maze() {
+    let (wall, cells) = ("#".repeat(41), ".".repeat(37));
+    let world = serde_json::json!({ "rows": [wall, format!("#S{cells}G#"), wall] }).to_string();
+    let maze = Maze::from_json(world.as_bytes(), "corridor.json").unwrap();
+    for (text, panels) in [(layout::of_episode(&maze), 2), (layout::of_run(&maze), 1)] {
+        let layout: Value = serde_json::from_str(&text).unwrap();
+        let all = layout["configById"].as_object().unwrap();
+        let scenes = all.iter().filter(|(id, _)| id.starts_with("3D!"));
+        let path = scenes.map(|(_, panel)| &panel["topics"]["/scene/policy"]["visible"]);
+        let shown = path.filter(|&visible| visible == true).count();
+        assert_eq!(shown, panels, "{text}");
     }
 }
 

@@ -11,9 +11,6 @@ use panels::{
 };
 use xcscr_robot::world::Maze;
 
-/// In mazes with more columns or rows than this, single arrows are visible only to the camera that
-/// follows the robot. From afar, the colours of the floor and the greedy path show the same.
-const FINE: u16 = 24;
 /// The distance of the camera that follows the robot, in cells.
 const FOLLOW: f64 = 9.0;
 /// The factor by which the first camera is moved away if there is a second one.
@@ -301,9 +298,6 @@ fn fit(panel: &mut Value, maze: &Maze) {
     if policy::is_large(maze) {
         panel["topics"]["/values"] = values("nearness", ["#e6ac0073", "#45106b73"]);
     }
-    if maze.width().max(maze.height()) > FINE {
-        panel["topics"]["/scene/policy"]["visible"] = json!(false);
-    }
 }
 
 /// Returns a panel with a camera that follows the robot, and moves the camera of the other panel away:
@@ -316,7 +310,6 @@ fn following(main: &mut Value, maze: &Maze) -> Value {
     panel["cameraState"]["targetOffset"] = json!([0, 0, 0]);
     // The size of its letters fits the view of the whole maze.
     panel["topics"]["/scene/rule"]["visible"] = json!(false);
-    panel["topics"]["/scene/policy"]["visible"] = json!(true);
     let whole = &mut main["cameraState"]["distance"];
     *whole = json!(whole.as_f64().map(|distance| (BESIDE * distance).ceil()));
     panel
