@@ -44,12 +44,16 @@ def improvement(ours, theirs):
     return mean(mean(pairs) for pairs in wins)
 
 
-def bootstrap(statistic, *methods):
-    """The statistic and its 95 % interval. Each resample draws as many trials of each world as there are."""
+def bootstrap(statistic, *methods, comparisons=1):
+    """The statistic and its 95 % interval, which Bonferroni's method widens for several comparisons.
+
+    Each resample draws as many trials of each world as there are.
+    """
+    outside = RESAMPLES // (40 * comparisons)
     chance = random.Random(1)
     draw = lambda worlds: [chance.choices(scores, k=len(scores)) for scores in worlds]
     values = sorted(statistic(*map(draw, methods)) for _ in range(RESAMPLES))
-    return statistic(*methods), values[RESAMPLES // 40], values[-1 - RESAMPLES // 40]
+    return statistic(*methods), values[outside], values[-1 - outside]
 
 
 def read(folder, score):
