@@ -158,7 +158,7 @@ mod tests {
         #[test]
         fn the_nearest_surface_is_as_far_as_the_nearest_pixel_of_the_other_kind(
             bits in prop::collection::vec(prop::bool::weighted(0.3), 48),
-            x in 0.0..0.8_f64, y in 0.0..0.6_f64, turn in 0.0..6.28_f64,
+            x in 0.0..0.8_f64, y in 0.0..0.6_f64, turn in 0.0..std::f64::consts::TAU,
         ) {
             let solid = solid(bits);
             let at = Point2::new(x, y);
