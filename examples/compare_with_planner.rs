@@ -6,7 +6,7 @@
 //! cargo run --example draw_office_map -- office
 //! cargo run -- world convert office/office.yaml --cell 0.5 --goal 14.0,12.5 -o office.json
 //! cargo run -- train office.json --robot turtlebot3-burger --out office-run
-//! cargo run --example compare_with_planner -- office-run 20
+//! cargo run --example compare_with_planner -- office-run 20 101
 //! ```
 
 use std::cmp::Reverse;
@@ -184,8 +184,9 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let run = arguments
         .next()
-        .ok_or("usage: compare_with_planner RUN [DRIVES]")?;
+        .ok_or("usage: compare_with_planner RUN [DRIVES [FIRST SEED]]")?;
     let drives: u64 = arguments.next().map_or(Ok(20), |text| text.parse())?;
+    let first: u64 = arguments.next().map_or(Ok(1), |text| text.parse())?;
     let folder = RunFolder::open(Path::new(&run));
     let setup = DriveSetup::new(
         &folder.plan()?,
@@ -199,7 +200,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         planned(maze, ends, setup.physics().radius_m + MARGIN_M).ok_or("no path to the goal")?;
     println!("by       arrived  time s  way m  drives with contacts");
     for (name, path) in [("policy", None), ("planner", Some(&path[..]))] {
-        let all = (1..=drives).map(|seed| drive(&setup, seed, path));
+        let all = (first..first + drives).map(|seed| drive(&setup, seed, path));
         let all = all.collect::<Result<Vec<_>, _>>()?;
         let good: Vec<&Outcome> = all.iter().filter(|one| one.arrived).collect();
         let mean = |value: fn(&Outcome) -> f64| {
