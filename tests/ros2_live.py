@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Drives over ROS 2 with rclpy on the other side, on loopback only. Needs root for a network namespace of its own.
 
-    pip install 'ros-kilted-rclpy[fastrtps]' ros-kilted-sensor-msgs ros-kilted-nav-msgs ros-kilted-geometry-msgs cyclonedds rosbags
+    pip install 'ros-kilted-rclpy[fastrtps]' ros-kilted-sensor-msgs ros-kilted-nav-msgs ros-kilted-geometry-msgs ros-kilted-diagnostic-msgs cyclonedds rosbags
     tests/ros2_live.py XCSCR [DRIVES [PART...]]
 
 XCSCR is a program built with `--features ros2`. A PART is one of the functions of `PARTS`, or `hour`. Prints one line for each claim, and a table of the injected faults.
@@ -27,6 +27,7 @@ if os.environ.get(INSIDE) is None:
     os.execvp("unshare", ["unshare", "-n", *again])
 
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, LaserScan
 
@@ -92,6 +93,38 @@ def robot_for_others(_):
     claim(math.dist(rest, listener.at()) < 0.01, "it stops when the commands cease")
     listener.close()
     claim(robot.end() == 0, "Ctrl-C ends it")
+
+
+def conventions(run):
+    """Remapping, a file of parameters, diagnostics, and another localiser in place of AMCL."""
+    parameters = run.with_name("drive.yaml")
+    parameters.write_text("/**/xcscr_driver:\n  ros__parameters:\n    use_sim_time: true\n    localise: tf\n")
+    robot = simulate("--remap", "scan:=/front/scan")
+    listener = Peer("listener")
+    states = []
+    keep = lambda message: states.extend((status.level, status.message) for status in message.status)
+    listener.node.create_subscription(DiagnosticArray, "/diagnostics", keep, 50)
+    names = ["-r", "scan:=/front/scan"]
+    follow = lambda: Program(XCSCR, "drive", run, "--ros2", "--force", "--ros-args", "--params-file", parameters, *names)
+    driver = follow()
+    time.sleep(4)
+    driver.end()
+    said = driver.said()
+    claim("no transform from map to odom" in said and " 1  cell" not in said, "without the localiser it does not move")
+    levels = {level[0] if isinstance(level, bytes) else level for level, _ in states}
+    claim(levels and 0 not in levels, f"and /diagnostics has the levels {sorted(levels)}")
+    states.clear()
+    localiser = Program(sys.executable, ROOT / "tests/ros2_cyclone.py", "localise")
+    driver = follow()
+    code = driver.wait(60)
+    claim(code == 0, f"a drive to the goal by the poses of another localiser, with a remapped scan (exit code {code})")
+    if code != 0:
+        print(driver.said(), localiser.said())
+    words = list(dict.fromkeys(message for _, message in states))
+    claim("at-goal" in words, f"/diagnostics: {words}")
+    localiser.end(signal.SIGTERM)
+    listener.close()
+    robot.end()
 
 
 def by_cyclone(run):
@@ -286,7 +319,7 @@ def drives(run, world="maze4", factor=4, robot_of=()):
     for seed in range(1, DRIVES + 1):
         robot = simulate("--seed", seed, "--realtime-factor", factor, *robot_of, world=world)
         bag = run.with_name("drive.mcap")
-        driver = drive(run, "--out", bag)
+        driver = drive(run, *robot_of, "--out", bag)
         code = driver.wait(200)
         said = driver.said()
         reached += code == 0
@@ -296,7 +329,7 @@ def drives(run, world="maze4", factor=4, robot_of=()):
             slowest.append(float(latency[2]))
         if code != 0:
             print(f"seed {seed}: code {code}\n{said}")
-        same += repeated(run, bag)[0]
+        same += repeated(run, bag, *robot_of)[0]
         robot.end()
     claim(reached == DRIVES, f"{reached} of {DRIVES} drives reach the goal in {Path(world).stem}, at {factor} times real time")
     claim(same == decisions > 0, f"{same} of {decisions} decisions are the same without ROS")
@@ -339,7 +372,7 @@ def hour(run):
     robot.end()
 
 
-PARTS = [robot_for_others, by_cyclone, refused, mislocalised, drives, office_drives, stamped, lds_01, foreign_bag, ends, panic, quality_of_service, faults]
+PARTS = [robot_for_others, by_cyclone, conventions, refused, mislocalised, drives, office_drives, stamped, lds_01, foreign_bag, ends, panic, quality_of_service, faults]
 
 
 def main():
