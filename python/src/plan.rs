@@ -109,15 +109,17 @@ impl Choice {
         };
         let robot = self.robot.as_deref().map(RobotProfile::load).transpose();
         let robot = robot.map_err(invalid)?;
-        let defaults = Settings::default();
+        let method = method.map(|name| by_name("method", name, Method::ALL, Method::name));
+        let method = method.transpose()?;
+        let defaults = method.map_or_else(Settings::default, Settings::of);
         let resolved = Resolved::with_robot(&defaults, robot.as_ref(), &[], &self.settings);
         let settings = resolved.map_err(invalid)?.settings;
         let mut plan = Plan::new(maze)
             .arena(arena)
             .sensor(sensor)
             .settings(settings);
-        if let Some(name) = method {
-            plan = plan.method(by_name("method", name, Method::ALL, Method::name)?);
+        if let Some(method) = method {
+            plan = plan.method(method);
         }
         let plan = plan.episodes(episodes).seed(self.seed).settled();
         plan.check().map_err(invalid)?;

@@ -24,6 +24,13 @@ def test_every_method_runs_and_the_same_seed_gives_the_same_trial():
         assert rows[0] != rows[2], f"control: {method}"
 
 
+def test_a_method_has_its_own_defaults():
+    steps = lambda **settings: xcscr.train("maze4", "xcs", arena="grid", episodes=3, **settings).episodes()["steps"]
+    assert steps().max() > 50, "the step limit of `xcs` is 600"
+    common = {"reward.step_threshold": 50}
+    assert steps(settings=common).max() == 50, "control: the common limit"
+
+
 def test_unknown_methods_are_refused_with_the_known_ones():
     with pytest.raises(ValueError, match="xcscr-plus"):
         xcscr.train("maze4", "dqn")
