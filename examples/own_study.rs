@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use xcscr::study::{Agents, Protocol, Report, Study, StudyFile};
+use xcscr::study::{Agents, Protocol, Report, StudyFile, StudyFolder};
 
 #[path = "agents/fewest_steps.rs"]
 mod fewest_steps;
@@ -20,9 +20,11 @@ const STUDY: &str = r#"
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = StudyFile::parse(STUDY, "own_study.rs", Path::new("."))?;
     let agents = Agents::default().with("fewest-steps", |plan| Box::new(FewestSteps::new(plan)))?;
-    let study = Study::new(Protocol::new(&file, &agents)?, agents);
+    let protocol = Protocol::new(&file, &agents)?;
     let parent = tempfile::tempdir()?;
-    let folder = study.run(&parent.path().join("study"), 1, &mut ())?;
+    let path = parent.path().join("study");
+    let mut folder = StudyFolder::open(&path, protocol, false)?.with_agents(agents);
+    folder.run(1, &mut ())?;
     let report = Report::new(&folder).terminal();
     println!("{report}");
     assert_eq!(folder.records().count(), 30);

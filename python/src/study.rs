@@ -16,7 +16,7 @@ const ORIGIN: &str = "study";
 /// A finished study.
 #[pyclass(frozen, module = "xcscr._native")]
 pub struct Study {
-    study: xcscr::study::Study,
+    agents: Agents,
     /// The folder of the study, which stays unlocked between two calls.
     folder: PathBuf,
     fault: Fault,
@@ -80,16 +80,20 @@ pub fn run_study(
         added = added.with(&name, build).map_err(invalid)?;
     }
     let protocol = Protocol::new(&file, &added).map_err(invalid)?;
-    // An exception of an agent interrupts a study, and is no result.
-    let study = xcscr::study::Study::new(protocol, added).retry_failed(true);
-    warn(py, study.protocol().arm_plans())?;
+    warn(py, protocol.arm_plans())?;
     let mut watcher = Watcher {
         fault: fault.clone(),
         progress,
         finished: 0,
         trials: 0,
     };
-    let ran = py.detach(|| study.run(&out, jobs, &mut watcher));
+    let ran = py.detach(|| {
+        let mut folder = StudyFolder::open(&out, protocol, false)?.with_agents(added.clone());
+        // An exception of an agent interrupts a study, and is no result.
+        folder.retry_failed()?;
+        folder.run(jobs, &mut watcher)?;
+        Ok::<_, xcscr::Error>(folder)
+    });
     fault.check()?;
     let folder = ran.map_err(invalid)?;
     refuse_failed(&folder)?;
@@ -99,14 +103,16 @@ pub fn run_study(
     });
     written.map_err(invalid)?;
     Ok(Study {
-        study,
+        agents: added,
         folder: out,
         fault,
     })
 }
 
 fn refuse_failed(folder: &StudyFolder) -> PyResult<()> {
-    let mut faults = folder.records().filter_map(|record| record.result.err());
+    let mut faults = folder
+        .records()
+        .filter_map(|record| record.result.as_ref().err());
     faults.next().map_or(Ok(()), |first| {
         let (count, path) = (1 + faults.count(), folder.path().display());
         Err(PyRuntimeError::new_err(format!(
@@ -133,7 +139,8 @@ impl Study {
         };
         let written = py.detach(|| {
             let folder = StudyFolder::read_locked(&self.folder)?;
-            self.study.write_episodes(&folder, jobs, &stop)
+            let folder = folder.with_agents(self.agents.clone());
+            folder.write_episodes(jobs, &stop)
         });
         self.fault.check()?;
         written.map_err(invalid)

@@ -1,12 +1,10 @@
-//! Studies that compare custom agents with the built-in methods.
+//! Custom agents in studies.
 
 use std::fmt;
-use std::path::Path;
+use std::sync::Arc;
 
 use super::error;
 use super::protocol::{Protocol, is_plain_name};
-use super::runner::{StudyWatcher, run_trials};
-use super::store::{StudyFolder, TrialRecord};
 use crate::agent::{Agent, Method};
 use crate::trial::Plan;
 use crate::{Error, ErrorKind};
@@ -15,8 +13,8 @@ use crate::{Error, ErrorKind};
 type Build = dyn Fn(&Plan) -> Box<dyn Agent> + Send + Sync;
 
 /// Custom agents of a program, with their names.
-#[derive(Default)]
-pub struct Agents(Vec<(String, Box<Build>)>);
+#[derive(Clone, Default)]
+pub struct Agents(Vec<(String, Arc<Build>)>);
 
 impl Agents {
     /// Adds an agent, which a study runs in the worlds, arenas, sensors and variants of the built-in methods,
@@ -42,7 +40,7 @@ impl Agents {
         } else if self.names().any(|known| known == name) || methods.any(|method| method == name) {
             format!("`{name}` is the name of another method")
         } else {
-            self.0.push((name.to_owned(), Box::new(build)));
+            self.0.push((name.to_owned(), Arc::new(build)));
             return Ok(self);
         };
         Err(ErrorKind::BadData.error(fault))
@@ -83,89 +81,5 @@ fn missing(name: &str) -> String {
 impl fmt::Debug for Agents {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_set().entries(self.names()).finish()
-    }
-}
-
-/// A study that can be run: a protocol, and custom agents in addition to the built-in methods.
-#[derive(Debug)]
-pub struct Study {
-    protocol: Protocol,
-    pub(super) agents: Agents,
-    retry_failed: bool,
-    force: bool,
-}
-
-impl Study {
-    /// Creates the study of a protocol, which was frozen with these agents.
-    pub fn new(protocol: Protocol, agents: Agents) -> Self {
-        Self {
-            protocol,
-            agents,
-            retry_failed: false,
-            force: false,
-        }
-    }
-
-    /// Sets whether to repeat the trials that failed. Their tables, report and figures are removed first.
-    pub fn retry_failed(mut self, retry: bool) -> Self {
-        self.retry_failed = retry;
-        self
-    }
-
-    /// Sets whether to replace files of a smaller study in the folder that were changed by hand.
-    pub fn replacing(mut self, force: bool) -> Self {
-        self.force = force;
-        self
-    }
-
-    /// Returns the protocol.
-    pub fn protocol(&self) -> &Protocol {
-        &self.protocol
-    }
-
-    /// Runs the missing trials of the study in the folder `out`, on `jobs` threads (all cores when
-    /// 0). The results do not depend on `jobs`. A smaller study in the folder stays there until the last trial is
-    /// finished.
-    ///
-    /// # Errors
-    /// When the folder contains another study, is in use, or cannot be written, a file of a smaller study there was
-    /// changed by hand, or a custom agent has another result than the one stored.
-    pub fn run(
-        &self,
-        out: &Path,
-        jobs: usize,
-        watcher: &mut dyn StudyWatcher,
-    ) -> Result<StudyFolder, Error> {
-        let mut folder = StudyFolder::open(out, &self.protocol)?.replacing(self.force);
-        self.require_same_agents(&folder)?;
-        folder.note_smaller()?;
-        if self.retry_failed {
-            folder.remove_failed()?;
-        }
-        watcher.begins(folder.missing().len());
-        for task in 1..=folder.planned().tasks() {
-            run_trials(&mut folder, &self.agents, task, jobs, watcher)?;
-            if !folder.missing_of(task).is_empty() {
-                break;
-            }
-        }
-        if folder.missing().is_empty() {
-            folder.replace_smaller()?;
-        }
-        Ok(folder)
-    }
-
-    /// Repeats the first stored trial of each custom agent. A changed agent would mix its results with earlier ones.
-    fn require_same_agents(&self, folder: &StudyFolder) -> Result<(), Error> {
-        self.agents.names().try_for_each(|name| {
-            let is_custom = |record: &TrialRecord| {
-                let agent = &self.protocol.arm(record.trial).agent;
-                agent.as_ref() == Some(name) && record.result.is_ok()
-            };
-            folder.records().find(is_custom).map_or(Ok(()), |stored| {
-                let repeated = TrialRecord::of(&self.protocol, &self.agents, stored.trial);
-                folder.require_equal(&repeated)
-            })
-        })
     }
 }

@@ -4,7 +4,7 @@
 //! A trial is determined by its plan, so a study stores nothing about episodes while it runs. The
 //! rows are the same for any number of threads, tasks and machines.
 
-use std::io::{self, Write};
+use std::io;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::analysis::learning::CurveSums;
-use super::custom::{Agents, Study};
+use super::custom::Agents;
 use super::protocol::Protocol;
 use super::report::Report;
 use super::runner::threads;
@@ -77,7 +77,7 @@ impl EpisodeRow {
     }
 }
 
-impl Study {
+impl StudyFolder {
     /// Runs the trials of a complete study again. Writes a row for each episode to `episodes.csv.gz` in
     /// the study's folder, in the order of the trials. Writes the means to `learning-curves.csv`,
     /// and the report anew, which plots them. A failed trial has no rows. `stop` is called between
@@ -86,93 +86,77 @@ impl Study {
     /// # Errors
     /// When trials are missing, the report was changed by hand, the threads cannot be started, this program lacks an agent of the study, a trial has another result
     /// than the stored one, a file has other contents or cannot be written, or `stop` returned true.
-    pub fn write_episodes(
-        &self,
-        folder: &StudyFolder,
-        jobs: usize,
-        stop: &dyn Fn() -> bool,
-    ) -> Result<(), Error> {
-        folder.require_complete()?;
-        self.agents.require_for(folder.protocol())?;
-        Report::new(folder).write(folder)?;
-        let curves = self.write_episode_table(folder, jobs, stop)?;
+    pub fn write_episodes(&self, jobs: usize, stop: &dyn Fn() -> bool) -> Result<(), Error> {
+        self.require_complete()?;
+        let protocol = self.protocol();
+        self.agents.require_for(protocol)?;
+        Report::new(self).write(self)?;
+        let curves = self.write_episode_table(jobs, stop)?;
         // The report has no learning curves yet. An interrupted command can be repeated without it.
-        folder.remove_reports()?;
-        folder.write_with(LEARNING_CURVES, |file| {
+        self.remove_reports()?;
+        self.write_with(LEARNING_CURVES, |file| {
             let mut table = csv::Writer::from_writer(file);
-            let arms = folder.protocol().arms.iter().zip(&curves);
+            let arms = protocol.arms.iter().zip(&curves);
             for point in arms.flat_map(|(arm, sums)| sums.points(arm)) {
                 table.serialize(point).map_err(io_error)?;
             }
             table.flush()
         })?;
-        Report::new(folder).write(folder)
+        Report::new(self).write(self)
     }
 
     /// Writes the table of episodes, and returns the sums of the learning curve of each arm.
     fn write_episode_table(
         &self,
-        folder: &StudyFolder,
         jobs: usize,
         stop: &dyn Fn() -> bool,
     ) -> Result<Vec<CurveSums>, Error> {
         let pool = threads(jobs)?;
         let mut sums: Vec<CurveSums> = Vec::new();
-        sums.resize_with(folder.protocol().arms.len(), CurveSums::default);
+        sums.resize_with(self.protocol().arms.len(), CurveSums::default);
         let mut differs = None;
-        let written = folder.write_with(EPISODES, |file| {
+        let written = self.write_with(EPISODES, |file| {
             let mut table = csv::Writer::from_writer(GzEncoder::new(file, Compression::default()));
-            let agents = &self.agents;
-            write_rows(
-                folder,
-                agents,
-                &pool,
-                &mut table,
-                &mut sums,
-                stop,
-                &mut differs,
-            )?;
+            let mut add = |repeated: &Repeated| {
+                if let Err(fault) = self.require_equal(&repeated.record) {
+                    differs = Some(fault);
+                    return Err(io::ErrorKind::Other.into());
+                }
+                let Repeated { record, rows } = repeated;
+                if !rows.is_empty() {
+                    let arm = record.trial / self.protocol().trials;
+                    sums[arm].add(rows.iter().map(|row| row.steps));
+                }
+                let mut rows = rows.iter();
+                rows.try_for_each(|row| table.serialize(row))
+                    .map_err(io_error)
+            };
+            self.repeat_each(&pool, stop, &mut add)?;
             let packed = table.into_inner().map_err(|fault| fault.into_error())?;
             packed.finish().map(|_| ())
         });
         differs.map_or(Ok(()), Err)?;
         written.map(|()| sums)
     }
-}
 
-/// Writes the rows of all trials. Ends with an error after the first trial whose result differs from the stored one, and
-/// describes it in `differs`.
-fn write_rows(
-    folder: &StudyFolder,
-    agents: &Agents,
-    pool: &ThreadPool,
-    table: &mut csv::Writer<impl Write>,
-    sums: &mut [CurveSums],
-    stop: &dyn Fn() -> bool,
-    differs: &mut Option<Error>,
-) -> io::Result<()> {
-    let protocol = folder.protocol();
-    let trials: Vec<usize> = (0..protocol.len()).collect();
-    for trials in trials.chunks(TRIALS_PER_THREAD * pool.current_num_threads()) {
-        if stop() {
-            return Err(io::ErrorKind::Interrupted.into());
-        }
-        let repeat = |&trial: &usize| Repeated::new(protocol, agents, trial);
-        let all: Vec<Repeated> = pool.install(|| trials.par_iter().map(repeat).collect());
-        for Repeated { record, rows } in &all {
-            if let Err(fault) = folder.require_equal(record) {
-                *differs = Some(fault);
-                return Err(io::ErrorKind::Other.into());
+    /// Repeats all trials, and calls `each` with them in their order.
+    fn repeat_each(
+        &self,
+        pool: &ThreadPool,
+        stop: &dyn Fn() -> bool,
+        each: &mut dyn FnMut(&Repeated) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let trials: Vec<usize> = (0..self.protocol().len()).collect();
+        for trials in trials.chunks(TRIALS_PER_THREAD * pool.current_num_threads()) {
+            if stop() {
+                return Err(io::ErrorKind::Interrupted.into());
             }
-            if !rows.is_empty() {
-                sums[record.trial / protocol.trials].add(rows.iter().map(|row| row.steps));
-            }
-            let mut rows = rows.iter();
-            rows.try_for_each(|row| table.serialize(row))
-                .map_err(io_error)?;
+            let repeat = |&trial: &usize| Repeated::new(self.protocol(), &self.agents, trial);
+            let all: Vec<Repeated> = pool.install(|| trials.par_iter().map(repeat).collect());
+            all.iter().try_for_each(&mut *each)?;
         }
+        Ok(())
     }
-    Ok(())
 }
 
 /// A repeated trial.

@@ -4,9 +4,8 @@
 //! |---|---|
 //! | `protocol` | study files, and the protocol that they are frozen into |
 //! | `store` | the folder of a study: the plan, and journals of finished trials |
-//! | `runner`, `tasks` | running trials: on threads, in tasks on many machines |
+//! | `runner` | running trials on threads, all of a study or those of a task |
 //! | `custom` | custom agents in studies |
-//! | `growth` | a larger study in the folder of a smaller one |
 //! | `statistics` | tests and intervals, independent of mazes and learners |
 //! | `analysis`, `episodes` | summaries of arms, learning curves, and tables for other programs |
 //! | `report` | the report in words, tables and figures |
@@ -15,7 +14,6 @@
 mod analysis;
 mod episodes;
 mod error;
-mod growth;
 mod custom;
 mod protocol;
 mod report;
@@ -23,12 +21,10 @@ mod robustness;
 mod runner;
 mod statistics;
 mod store;
-mod tasks;
 
-pub use custom::{Agents, Study};
+pub use custom::Agents;
 pub use protocol::{Arm, Protocol, StudyFile, StudyKey, Variant};
 pub use report::Report;
 pub use robustness::{ConditionResult, LeftOut, Robustness};
 pub use runner::StudyWatcher;
-pub use store::{Figures, PlannedStudy, StudyFolder, TrialRecord};
-pub use tasks::{TaskProgress, TaskState};
+pub use store::{Figures, StudyFolder, TrialRecord};

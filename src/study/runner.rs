@@ -11,7 +11,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use super::custom::Agents;
 use super::error;
 use super::protocol::Protocol;
-use super::store::{Journal, Records, StudyFolder, TrialRecord};
+use super::store::{Journal, StudyFolder, TrialRecord};
 use crate::Error;
 
 /// Receives the progress of a study.
@@ -33,36 +33,107 @@ impl StudyWatcher for () {}
 /// A finished trial, and the channel of the thread that waits until the trial is written.
 type Finished = (TrialRecord, SyncSender<()>);
 
-/// Runs the missing trials of a task on `jobs` threads (all cores when 0), and stores them in a new
-/// journal. A thread begins its next trial when its last one is written, so a killed process loses at
-/// most one trial per thread.
-pub(super) fn run_trials(
-    folder: &mut StudyFolder,
-    agents: &Agents,
-    task: usize,
-    jobs: usize,
-    watcher: &mut dyn StudyWatcher,
-) -> Result<(), Error> {
-    let trials = folder.missing_of(task);
-    if trials.is_empty() {
-        return Ok(());
+impl StudyFolder {
+    /// Runs the missing trials of the study on `jobs` threads (all cores when
+    /// 0). The results do not depend on `jobs`. A smaller study in the folder stays there until the last trial is
+    /// finished.
+    ///
+    /// # Errors
+    /// When the folder cannot be written, a file of a smaller study there was
+    /// changed by hand, or a custom agent has another result than the one stored.
+    pub fn run(&mut self, jobs: usize, watcher: &mut dyn StudyWatcher) -> Result<(), Error> {
+        self.require_same_agents()?;
+        self.require_own_outputs()?;
+        self.run_trials(&self.missing(), jobs, watcher)?;
+        match self.missing().is_empty() {
+            true => self.replace_smaller(),
+            false => Ok(()),
+        }
     }
-    let pool = threads(jobs)?;
-    let StudyFolder {
-        planned, records, ..
-    } = folder;
-    let mut journal = planned.begin(task)?;
-    let protocol = planned.protocol();
-    let stop = AtomicBool::new(false);
-    let (sender, receiver) = channel();
-    thread::scope(|scope| {
-        let run = || pool.install(|| run_each(protocol, agents, &trials, sender, &stop));
-        let spawned = thread::Builder::new().spawn_scoped(scope, run);
-        spawned.map_err(error::jobs(jobs))?;
-        let stored = store_all(receiver, &mut journal, records, watcher, &stop);
-        stop.store(true, Ordering::Relaxed);
-        stored
-    })
+
+    /// Runs the missing trials of a task, counted from 1, on `jobs` threads (all cores when 0).
+    ///
+    /// # Errors
+    /// When there is no such task, another version of the program made the plan, or the folder
+    /// cannot be written.
+    pub fn run_task(
+        &mut self,
+        task: usize,
+        jobs: usize,
+        watcher: &mut dyn StudyWatcher,
+    ) -> Result<(), Error> {
+        self.require_task(task)?;
+        self.require_same_program()?;
+        self.run_trials(&self.missing_of_task(task), jobs, watcher)
+    }
+
+    /// Repeats the first stored trial of each custom agent. A changed agent would mix its results with earlier ones.
+    fn require_same_agents(&self) -> Result<(), Error> {
+        let protocol = self.protocol();
+        self.agents.names().try_for_each(|name| {
+            let is_custom = |record: &&TrialRecord| {
+                let agent = &protocol.arm(record.trial).agent;
+                agent.as_ref() == Some(name) && record.result.is_ok()
+            };
+            self.records().find(is_custom).map_or(Ok(()), |stored| {
+                let repeated = TrialRecord::of(protocol, &self.agents, stored.trial);
+                self.require_equal(&repeated)
+            })
+        })
+    }
+
+    /// Runs trials, and stores them in a new
+    /// journal. A thread begins its next trial when its last one is written, so a killed process loses at
+    /// most one trial per thread.
+    fn run_trials(
+        &mut self,
+        trials: &[usize],
+        jobs: usize,
+        watcher: &mut dyn StudyWatcher,
+    ) -> Result<(), Error> {
+        watcher.begins(trials.len());
+        if trials.is_empty() {
+            return Ok(());
+        }
+        let pool = threads(jobs)?;
+        let mut journal = self.begin_journal()?;
+        // Records are added while the trials run.
+        let (protocol, agents) = (self.protocol().clone(), self.agents.clone());
+        let stop = AtomicBool::new(false);
+        let (sender, receiver) = channel();
+        thread::scope(|scope| {
+            let run = || pool.install(|| run_each(&protocol, &agents, trials, sender, &stop));
+            let spawned = thread::Builder::new().spawn_scoped(scope, run);
+            spawned.map_err(error::jobs(jobs))?;
+            let stored = self.store_all(receiver, &mut journal, watcher, &stop);
+            stop.store(true, Ordering::Relaxed);
+            stored
+        })
+    }
+
+    /// Writes records as they arrive, all waiting records at once, until the channel is closed.
+    fn store_all(
+        &mut self,
+        receiver: Receiver<Finished>,
+        journal: &mut Journal,
+        watcher: &mut dyn StudyWatcher,
+        stop: &AtomicBool,
+    ) -> Result<(), Error> {
+        while let Ok(first) = receiver.recv() {
+            let arrived = std::iter::once(first).chain(receiver.try_iter());
+            let (records, waiting): (Vec<TrialRecord>, Vec<_>) = arrived.unzip();
+            journal.write(&records)?;
+            for record in records {
+                if watcher.finished(&record).is_break() {
+                    stop.store(true, Ordering::Relaxed);
+                }
+                self.add(record);
+            }
+            drop(waiting);
+            journal.sync()?;
+        }
+        Ok(())
+    }
 }
 
 /// Starts `jobs` threads (all cores when 0).
@@ -89,29 +160,4 @@ fn run_each(
             let _ = wait.recv();
         }
     });
-}
-
-/// Writes records as they arrive, all waiting records at once, until the channel is closed.
-fn store_all(
-    receiver: Receiver<Finished>,
-    journal: &mut Journal,
-    finished: &mut Records,
-    watcher: &mut dyn StudyWatcher,
-    stop: &AtomicBool,
-) -> Result<(), Error> {
-    while let Ok(first) = receiver.recv() {
-        let arrived = std::iter::once(first).chain(receiver.try_iter());
-        let (records, waiting): (Vec<TrialRecord>, Vec<_>) = arrived.unzip();
-        journal.write(&records)?;
-        for record in &records {
-            let is_new = finished.insert(record);
-            debug_assert!(is_new, "only missing trials are run");
-            if watcher.finished(record).is_break() {
-                stop.store(true, Ordering::Relaxed);
-            }
-        }
-        drop(waiting);
-        journal.sync()?;
-    }
-    Ok(())
 }

@@ -75,7 +75,13 @@ fn journals_and_plans() {
     let path = journal(&desk.path("s"));
     let text = fs::read_to_string(&path).unwrap();
     let head = text.lines().next().unwrap();
-    let json = format!("{{\"trial\":0,\"result\":{{\"Err\":{}}}}}", quoted(EVIL));
+    let line = text.lines().nth(1).unwrap();
+    let arm = line.split_inclusive(',').next().unwrap();
+    let json = format!(
+        "{}\"trial\":1,\"result\":{{\"Err\":{}}}}}",
+        &arm[9..],
+        quoted(EVIL)
+    );
     let sum = crc32fast::hash(json.as_bytes());
     fs::write(&path, format!("{head}\n{sum:08x} {json}\n")).unwrap();
     script::run_at(

@@ -111,8 +111,8 @@ impl Desk {
         folder::assert_same_study(&self.path(name), &DESK.path("whole"), name);
     }
 
-    /// Returns the numbers of the trials in the journals of a study, in the order of their lines.
-    pub fn trials(&self, name: &str) -> Vec<u64> {
+    /// Returns arm and number of the trials in the journals of a study, in the order of their lines.
+    pub fn trials(&self, name: &str) -> Vec<String> {
         let journals = self.path(name).join("journals");
         let journals = match journals.exists() {
             true => folder::contents(&journals),
@@ -121,7 +121,7 @@ impl Desk {
         let trial = |line: &str| {
             let (_, json) = line.split_once(' ').unwrap();
             let record: Value = serde_json::from_str(json).unwrap();
-            record["trial"].as_u64().unwrap()
+            format!("{} {}", record["arm"], record["trial"])
         };
         let of_one = |(_, bytes): (String, Vec<u8>)| {
             let text = String::from_utf8_lossy(&bytes).into_owned();
@@ -132,14 +132,14 @@ impl Desk {
         journals.into_iter().flat_map(of_one).collect()
     }
 
-    /// Changes the record of a trial in the journals of a study, with a valid checksum.
-    pub fn edit_record(&self, name: &str, trial: usize, edit: impl Fn(&mut Value)) {
-        let begin = format!("{{\"trial\":{trial},");
+    /// Changes the record of the trial of an arm in the journals of a study, with a valid checksum.
+    pub fn edit_record(&self, name: &str, (arm, trial): (&str, usize), edit: impl Fn(&mut Value)) {
+        let number = format!("\"trial\":{trial},");
         for entry in fs::read_dir(self.path(name).join("journals")).unwrap() {
             let path = entry.unwrap().path();
             let text = fs::read_to_string(&path).unwrap();
             let lines = text.lines().map(|line| match line.split_once(' ') {
-                Some((_, json)) if json.starts_with(&begin) => {
+                Some((_, json)) if json.contains(arm) && json.contains(&number) => {
                     let mut record: Value = serde_json::from_str(json).unwrap();
                     edit(&mut record);
                     let json = record.to_string();

@@ -31,7 +31,7 @@ fn a_repeat_that_differs_from_the_stored_result_is_an_error() {
         fs::remove_file(desk.path("a").join(name)).unwrap();
     }
     // As another version of the program could have stored it.
-    desk.edit_record("a", 0, |record| {
+    desk.edit_record("a", ("maze4", 1), |record| {
         let steps = &mut record["result"]["Ok"]["progress"]["steps"];
         *steps = (steps.as_u64().unwrap() + 1).into();
     });

@@ -9,9 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::kit::folder;
 use tempfile::TempDir;
 use xcscr::streams::StreamName;
-use xcscr::study::{
-    Agents, PlannedStudy, Protocol, Study, StudyFile, StudyFolder, StudyWatcher, TrialRecord,
-};
+use xcscr::study::{Agents, Protocol, StudyFile, StudyFolder, StudyWatcher, TrialRecord};
 use xcscr::xcs::random::Stream;
 use xcscr::{Error, ErrorKind};
 
@@ -44,17 +42,16 @@ impl Cluster {
     }
 
     /// A folder as a machine sees it: of each journal so much as `seen` says.
-    fn view(&mut self, mut seen: impl FnMut(usize) -> Option<usize>) -> (PlannedStudy, PathBuf) {
+    fn view(&mut self, mut seen: impl FnMut(usize) -> Option<usize>) -> PathBuf {
         self.views += 1;
         let path = self.folder.path().join(self.views.to_string());
-        let planned = PlannedStudy::in_folder(&path, protocol(), Some(TASKS)).unwrap();
-        planned.make().unwrap();
+        StudyFolder::plan_tasks(&path, protocol(), TASKS).unwrap();
         for (name, bytes) in &self.written {
             if let Some(length) = seen(bytes.len()) {
                 fs::write(path.join("journals").join(name), &bytes[..length]).unwrap();
             }
         }
-        (planned, path)
+        path
     }
 
     /// What a machine has written in its view becomes true, whatever it saw of the others.
@@ -72,7 +69,7 @@ impl Cluster {
 fn finished(path: &Path) -> Result<Vec<TrialRecord>, Error> {
     let folder = StudyFolder::read(path)?;
     folder.require_complete()?;
-    Ok(folder.records().collect())
+    Ok(folder.records().cloned().collect())
 }
 
 /// Ends an attempt after some trials.
@@ -92,35 +89,35 @@ impl StudyWatcher for Patience {
 fn whatever_the_machines_see_of_each_other_the_trials_are_those_of_one_process_or_missing() {
     let whole = tempfile::tempdir().unwrap();
     let out = whole.path().join("a");
-    let done = Study::new(protocol(), Agents::default())
-        .run(&out, 1, &mut ())
-        .unwrap();
-    let wanted: Vec<_> = done.records().collect();
+    let mut done = StudyFolder::open(&out, protocol(), false).unwrap();
+    done.run(1, &mut ()).unwrap();
+    let wanted: Vec<_> = done.records().cloned().collect();
     let mut chance = Stream::new(1, StreamName::World);
     let (mut twice, mut refused, mut torn) = (0, 0, 0);
     for round in 0..3 {
         let mut cluster = Cluster::new();
         loop {
-            let (planned, path) = cluster.view(|length| match chance.below(4) {
+            let path = cluster.view(|length| match chance.below(4) {
                 0 => None,
                 1 => Some(chance.below(length + 1)),
                 _ => Some(length),
             });
             let task = 1 + chance.below(TASKS);
             let mut grace_period = Patience(1 + chance.below(4));
-            planned.run_task(task, 1, &mut grace_period).unwrap();
+            let mut machine = StudyFolder::read(&path).unwrap();
+            machine.run_task(task, 1, &mut grace_period).unwrap();
             let half = chance.below(3) * chance.below(90);
             torn += usize::from(half > 0);
             cluster.take_up(&path, half);
 
-            let (_, path) = cluster.view(|length| Some(chance.below(2 * length).min(length)));
+            let path = cluster.view(|length| Some(chance.below(2 * length).min(length)));
             match finished(&path) {
                 Err(error) if error.kind() == ErrorKind::Refuted => refused += 1,
                 Ok(_) => break,
                 Err(other) => panic!("round {round}: {other}"),
             }
         }
-        let (_, path) = cluster.view(Some);
+        let path = cluster.view(Some);
         assert_eq!(finished(&path).unwrap(), wanted);
         let lines = |bytes: &Vec<u8>| bytes.iter().filter(|byte| **byte == b'\n').count();
         let kept: usize = cluster

@@ -1,8 +1,8 @@
 //! Agents of one's own in a study.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use xcscr::study::{Agents, Protocol, Report, Study, StudyFile, StudyFolder};
+use xcscr::study::{Agents, Protocol, Report, StudyFile, StudyFolder};
 
 use crate::kit::program::{expect, outcome};
 
@@ -18,9 +18,11 @@ trials = 5
 episodes = 40
 "#;
 
-fn study(agents: Agents) -> Study {
+fn open(path: &Path, agents: Agents) -> StudyFolder {
     let file = StudyFile::parse(FILE, "own.toml", Path::new(".")).unwrap();
-    Study::new(Protocol::new(&file, &agents).unwrap(), agents)
+    let protocol = Protocol::new(&file, &agents).unwrap();
+    let folder = StudyFolder::open(path, protocol, false).unwrap();
+    folder.with_agents(agents)
 }
 
 fn own() -> Agents {
@@ -28,17 +30,19 @@ fn own() -> Agents {
     agents.unwrap()
 }
 
-fn run(study: &Study, folder: PathBuf) -> StudyFolder {
-    study.run(&folder, 1, &mut ()).unwrap()
+fn run(path: &Path, agents: Agents) -> StudyFolder {
+    let mut folder = open(path, agents);
+    folder.run(1, &mut ()).unwrap();
+    folder
 }
 
 #[test]
 fn an_agent_of_ones_own_runs_in_every_world_with_the_seeds_of_the_others_and_changes_none_of_them()
 {
     let place = tempfile::tempdir().unwrap();
-    let (path, with_own) = (place.path().join("own"), study(own()));
-    let own = run(&with_own, path.clone());
-    let plain = run(&study(Agents::default()), place.path().join("plain"));
+    let path = place.path().join("own");
+    let own = run(&path, own());
+    let plain = run(&place.path().join("plain"), Agents::default());
     let arms = own.protocol().arms.iter();
     let arms: Vec<String> = arms
         .map(|arm| format!("{} {}", arm.world, arm.method_name()))
@@ -49,7 +53,9 @@ fn an_agent_of_ones_own_runs_in_every_world_with_the_seeds_of_the_others_and_cha
     let figures = |folder: &StudyFolder, is_own: bool| {
         let is_kind = |trial: usize| folder.protocol().arm(trial).agent.is_some() == is_own;
         let records = folder.records().filter(|one| is_kind(one.trial));
-        records.map(|one| one.result.unwrap()).collect::<Vec<_>>()
+        records
+            .map(|one| one.result.clone().unwrap())
+            .collect::<Vec<_>>()
     };
     assert_eq!(figures(&own, false), figures(&plain, false));
     let found = figures(&own, true);
@@ -58,7 +64,7 @@ fn an_agent_of_ones_own_runs_in_every_world_with_the_seeds_of_the_others_and_cha
     // It stands in report and tables.
     let report = Report::new(&own).terminal();
     assert!(report.contains("fewest-steps − q-learning"), "{report}");
-    with_own.write_episodes(&own, 1, &|| false).unwrap();
+    own.write_episodes(1, &|| false).unwrap();
     let table = std::fs::read_to_string(path.join("learning-curves.csv")).unwrap();
     let points = table.matches("fewest-steps").count();
     assert_eq!(points, 80, "two worlds, 40 episodes");
@@ -75,34 +81,32 @@ fn an_agent_of_ones_own_runs_in_every_world_with_the_seeds_of_the_others_and_cha
     );
 }
 
-/// Runs a study with an agent of another step limit under the name of the first one.
-fn changed() -> Study {
+/// An agent of another step limit under the name of the first one.
+fn changed() -> Agents {
     let agents = Agents::default().with("fewest-steps", |plan| {
         let mut plan = plan.clone();
         plan.config.settings.reward.step_threshold = 30;
         Box::new(FewestSteps::new(&plan))
     });
-    study(agents.unwrap())
+    agents.unwrap()
 }
 
 #[test]
 fn results_of_a_changed_agent_are_not_mixed_with_earlier_ones() {
     let place = tempfile::tempdir().unwrap();
     let path = place.path().join("own");
-    drop(run(&study(own()), path.clone()));
-    drop(run(&study(own()), path.clone()));
-    let changed = changed();
+    drop(run(&path, own()));
+    drop(run(&path, own()));
     let words =
         "trial 1 of maze4 fewest-steps grid neighbours has another result when it is repeated";
-    let fault = changed.run(&path, 1, &mut ()).unwrap_err().to_string();
+    let mut folder = open(&path, changed());
+    let fault = folder.run(1, &mut ()).unwrap_err().to_string();
     assert!(fault.contains(words) && fault.contains("--out"), "{fault}");
-    let folder = StudyFolder::read_locked(&path).unwrap();
-    let fault = changed.write_episodes(&folder, 1, &|| false).unwrap_err();
+    let fault = folder.write_episodes(1, &|| false).unwrap_err();
     assert!(fault.to_string().contains(words), "{fault}");
     assert!(!path.join("episodes.csv.gz").exists());
-    study(own())
-        .write_episodes(&folder, 1, &|| false)
-        .expect("control");
+    let folder = folder.with_agents(own());
+    folder.write_episodes(1, &|| false).expect("control");
 }
 
 #[test]

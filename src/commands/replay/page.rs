@@ -6,7 +6,7 @@ use xcscr::ErrorKind;
 use xcscr::record::reader::Recording;
 use xcscr::replay::player;
 use xcscr::run::{self, RunFolder};
-use xcscr::study::{PlannedStudy, StudyFolder};
+use xcscr::study::StudyFolder;
 
 use crate::commands::failure::Failure;
 use crate::commands::output::OutputFile;
@@ -37,7 +37,7 @@ pub fn write(
 }
 
 fn page_of(path: &Path, out: &mut Results) -> Result<String, Failure> {
-    if PlannedStudy::is_in(path) {
+    if StudyFolder::is_in(path) {
         return page_of_study(&StudyFolder::read(path)?, out);
     }
     match path.is_dir() {

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 use xcscr::ErrorKind;
-use xcscr::study::{Agents, Protocol, Report, Study, StudyFolder};
+use xcscr::study::{Protocol, Report, StudyFolder};
 
 use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
@@ -100,7 +100,7 @@ pub fn run(command: &StudyCommand, out: &mut Results) -> Result<(), Failure> {
         StudyCommand::Plan(args) => plan::run(args, out),
         StudyCommand::Task(args) => task::run(args),
         StudyCommand::Status { folder, json } => {
-            Status::of(&StudyFolder::read(folder)?)?.print(*json, out)
+            Status::of(&StudyFolder::read(folder)?).print(*json, out)
         }
         StudyCommand::Episodes {
             folder,
@@ -123,23 +123,21 @@ fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
     say_warnings(&protocol);
     let usual = || Path::new("studies").join(&protocol.name);
     let path = args.out.clone().unwrap_or_else(usual);
-    if args.force {
-        StudyFolder::replace_other(&path, &protocol)?;
-    }
     let shutdown_message = "interrupted in a trial; run the same command again to resume it";
     let interrupt =
         Interrupt::watch(move || Failure::new(ErrorKind::Interrupted, shutdown_message))?;
     let mut progress = Progress::new(args.quiet, interrupt);
-    let study = Study::new(protocol, Agents::default())
-        .retry_failed(args.retry_failed)
-        .replacing(args.force);
-    let folder = study.run(&path, args.jobs.into(), &mut progress)?;
+    let mut folder = StudyFolder::open(&path, protocol, args.force)?;
+    if args.retry_failed {
+        folder.retry_failed()?;
+    }
+    folder.run(args.jobs.into(), &mut progress)?;
     drop(progress);
     let missing = folder.missing();
     if missing.is_empty() {
         return finish(&folder, args.json, out);
     }
-    let all = study.protocol().len();
+    let all = folder.protocol().len();
     let done = all - missing.len();
     let message = format!(
         "interrupted after {done} of {all} trials; run the same command again to resume it"
@@ -150,8 +148,7 @@ fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
 /// Writes the table of episodes of a complete study, and the report with its learning curves.
 fn write_episodes(folder: &StudyFolder, jobs: usize) -> Result<(), Failure> {
     let interrupt = Interrupt::notice()?;
-    let study = Study::new(folder.protocol().clone(), Agents::default());
-    let written = study.write_episodes(folder, jobs, &|| interrupt.came());
+    let written = folder.write_episodes(jobs, &|| interrupt.came());
     if written.is_err() && interrupt.came() {
         let message = "interrupted; nothing was written: run the same command again";
         return Err(Failure::new(ErrorKind::Interrupted, message));
@@ -229,7 +226,9 @@ fn print_report(
 }
 
 fn refuse_failed(folder: &StudyFolder) -> Result<(), Failure> {
-    let mut faults = folder.records().filter_map(|record| record.result.err());
+    let mut faults = folder
+        .records()
+        .filter_map(|record| record.result.as_ref().err());
     let Some(first) = faults.next() else {
         return Ok(());
     };

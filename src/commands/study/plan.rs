@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use xcscr::disk::typed;
-use xcscr::study::{Arm, PlannedStudy, Protocol};
+use xcscr::study::{Arm, Protocol, StudyFolder};
 
 use super::choice::ChoiceArgs;
 use crate::commands::failure::Failure;
@@ -48,16 +48,14 @@ pub(super) fn run(args: &PlanArgs, out: &mut Results) -> Result<(), Failure> {
     let protocol = args.choice.protocol()?;
     super::say_warnings(&protocol);
     let outline = Outline::of(&protocol, args.tasks);
+    let tasks = args.tasks.unwrap_or(1);
+    protocol.check_tasks(tasks)?;
     match &args.out {
-        Some(folder) => PlannedStudy::in_folder(folder, protocol, args.tasks)?.make()?,
-        None => drop(PlannedStudy::new(
-            Path::new(""),
-            protocol,
-            args.tasks.unwrap_or(1),
-        )?),
-    }
-    if args.out.is_none() && !args.json {
-        say("nothing was written: use `--tasks` and `--out` to freeze the study in a folder");
+        Some(folder) => drop(StudyFolder::plan_tasks(folder, protocol, tasks)?),
+        None if args.json => {}
+        None => {
+            say("nothing was written: use `--tasks` and `--out` to freeze the study in a folder");
+        }
     }
     if args.json {
         return print_json(&outline, out);

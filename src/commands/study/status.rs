@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use xcscr::disk::typed;
-use xcscr::study::{Arm, StudyFolder, TaskState};
+use xcscr::study::{Arm, StudyFolder};
 
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
@@ -28,13 +28,12 @@ pub(super) struct Status {
     tasks: Option<Tasks>,
 }
 
-/// The states of the tasks of a study.
+/// The tasks of a study.
 #[derive(Debug, Serialize)]
 struct Tasks {
     tasks: usize,
-    complete: Vec<usize>,
-    started: Vec<usize>,
-    not_started: Vec<usize>,
+    /// The tasks with missing trials.
+    open: Vec<usize>,
     /// The list of the tasks to run, in the form of Slurm's `--array=`.
     array: String,
     #[serde(skip)]
@@ -42,10 +41,9 @@ struct Tasks {
 }
 
 impl Status {
-    pub fn of(folder: &StudyFolder) -> Result<Self, Failure> {
+    pub fn of(folder: &StudyFolder) -> Self {
         let (protocol, missing) = (folder.protocol(), folder.missing());
-        let is_split = folder.planned().tasks() > 1;
-        Ok(Self {
+        Self {
             study: protocol.name.clone(),
             plan: folder.plan().to_owned(),
             trials: protocol.len(),
@@ -56,8 +54,8 @@ impl Status {
                 protocol.trials,
             ),
             missing,
-            tasks: is_split.then(|| Tasks::of(folder)).transpose()?,
-        })
+            tasks: (folder.tasks() > 1).then(|| Tasks::of(folder)),
+        }
     }
 
     pub fn print(&self, json: bool, out: &mut Results) -> Result<(), Failure> {
@@ -104,35 +102,21 @@ impl Status {
 }
 
 impl Tasks {
-    fn of(folder: &StudyFolder) -> Result<Self, Failure> {
-        let states = folder.task_states()?;
-        let tasks_that = |are: &[TaskState]| -> Vec<usize> {
-            let some = states.iter().filter(|(_, state)| are.contains(state));
-            some.map(|(task, _)| *task).collect()
-        };
-        let open = tasks_that(&[TaskState::Started, TaskState::NotStarted]);
-        Ok(Self {
-            tasks: states.len(),
-            complete: tasks_that(&[TaskState::Complete]),
-            started: tasks_that(&[TaskState::Started]),
-            not_started: tasks_that(&[TaskState::NotStarted]),
+    fn of(folder: &StudyFolder) -> Self {
+        let is_open = |task: &usize| !folder.missing_of_task(*task).is_empty();
+        let open: Vec<usize> = (1..=folder.tasks()).filter(is_open).collect();
+        Self {
+            tasks: folder.tasks(),
             array: ranges(&open),
+            open,
             folder: typed(folder.path()),
-        })
+        }
     }
 
-    /// Prints the states, and the next step.
+    /// Prints the tasks, and the next step.
     fn print(&self, out: &mut Results) -> Result<(), Unwritten> {
-        writeln!(out, "{} tasks", self.tasks)?;
-        for (name, tasks) in [
-            ("complete", &self.complete),
-            ("started, not complete", &self.started),
-            ("not started", &self.not_started),
-        ] {
-            if !tasks.is_empty() {
-                writeln!(out, "  {name} ({}): {}", tasks.len(), ranges(tasks))?;
-            }
-        }
+        let (tasks, open) = (self.tasks, self.open.len());
+        writeln!(out, "{tasks} tasks, {open} of them with missing trials")?;
         match &self.array[..] {
             "" => writeln!(out, "next: xcscr study report {}", self.folder),
             array => writeln!(

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use xcscr::ErrorKind;
-use xcscr::study::{PlannedStudy, TaskProgress};
+use xcscr::study::StudyFolder;
 
 use super::progress::Progress;
 use crate::commands::failure::Failure;
@@ -29,25 +29,22 @@ pub struct TaskArgs {
 
 /// Runs the missing trials of a task. Failed trials are results, which the report lists.
 pub(super) fn run(args: &TaskArgs) -> Result<(), Failure> {
-    let planned = PlannedStudy::read(&args.folder)?;
+    let mut folder = StudyFolder::read(&args.folder)?;
     let task = args.task;
     let finished = Arc::new(AtomicUsize::new(0));
     let counter = finished.clone();
     let shutdown_message = move || interrupted(task, counter.load(Ordering::Relaxed));
     let mut progress =
-        Progress::new(args.quiet, Interrupt::watch(shutdown_message)?).counting(finished);
-    let TaskProgress {
-        trials,
-        missing,
-        finished,
-    } = planned.run_task(task, args.jobs.into(), &mut progress)?;
+        Progress::new(args.quiet, Interrupt::watch(shutdown_message)?).counting(finished.clone());
+    folder.run_task(task, args.jobs.into(), &mut progress)?;
     drop(progress);
-    if missing > 0 {
+    let finished = finished.load(Ordering::Relaxed);
+    if !folder.missing_of_task(task).is_empty() {
         return Err(interrupted(task, finished));
     }
     if !args.quiet {
         say(&format!(
-            "task {task}: all {trials} trials are finished, {finished} of them in this run"
+            "task {task}: all its trials are finished, {finished} of them in this run"
         ));
     }
     Ok(())

@@ -2,14 +2,13 @@
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
-use std::ops::Range;
 
 use serde::Serialize;
 
 use super::memoryless;
 use crate::episode::Mistakes;
 use crate::streams::StreamName;
-use crate::study::protocol::{Arm, Protocol};
+use crate::study::protocol::Arm;
 use crate::study::statistics::{
     Interval, Pairs, Proportion, bootstrap_interval, quantile, rounded,
 };
@@ -27,8 +26,8 @@ pub struct ArmRecords<'a> {
     pub failed: usize,
     /// Whether no policy without memory is optimal.
     pub needs_memory: bool,
-    folder: &'a StudyFolder,
-    trials: Range<usize>,
+    /// The figures of each trial; `None` if the trial failed or is missing.
+    trials: Vec<Option<&'a Figures>>,
 }
 
 impl<'a> ArmRecords<'a> {
@@ -49,23 +48,20 @@ impl<'a> ArmRecords<'a> {
     }
 
     fn new(folder: &'a StudyFolder, i: usize, arm: &'a Arm, needs_memory: bool) -> Self {
-        let Protocol { trials, .. } = *folder.protocol();
-        let trials = i * trials..(i + 1) * trials;
-        let own = folder.records_of(trials.clone());
-        let failed = own.filter(|record| record.result.is_err()).count();
+        let trials = folder.protocol().trials;
+        let own = (i * trials..(i + 1) * trials).map(|trial| folder.record(trial));
+        let failed = own.clone().flatten();
         Self {
             arm,
-            failed,
+            failed: failed.filter(|record| record.result.is_err()).count(),
             needs_memory,
-            folder,
-            trials,
+            trials: own.map(|record| record?.figures()).collect(),
         }
     }
 
     /// Returns the figures of the trials that did not fail.
-    fn figures(&self) -> impl Iterator<Item = Figures> + '_ {
-        let own = self.folder.records_of(self.trials.clone());
-        own.filter_map(|record| record.result.ok())
+    fn figures(&self) -> impl Iterator<Item = &'a Figures> {
+        self.trials.iter().copied().flatten()
     }
 
     /// Returns the proportion of trials that found a globally optimal policy.
@@ -109,24 +105,17 @@ impl<'a> ArmRecords<'a> {
     /// `better` for the first and the second. Failed trials are in no pair.
     pub fn pairs(&self, other: &Self, better: impl Fn(&Figures, &Figures) -> Ordering) -> Pairs {
         let mut pairs = Pairs::default();
-        let [ours, theirs] =
-            [self, other].map(|one| one.trials.clone().map(|trial| one.figures_of(trial)));
-        for (ours, theirs) in ours.zip(theirs) {
+        for (ours, theirs) in self.trials.iter().zip(&other.trials) {
             if let (Some(ours), Some(theirs)) = (ours, theirs) {
-                pairs.add(better(&ours, &theirs));
+                pairs.add(better(ours, theirs));
             }
         }
         pairs
     }
 
-    fn figures_of(&self, trial: usize) -> Option<Figures> {
-        let mut records = self.folder.records_of(trial..trial + 1);
-        records.next()?.result.ok()
-    }
-
     /// Returns the steps in the environment until the policy was optimal, or else until the end.
     fn env_steps(&self) -> Vec<f64> {
-        let figures = self.figures().map(|one| one.progress);
+        let figures = self.figures().map(|one| &one.progress);
         figures
             .map(|one| one.first_optimal_env_steps.unwrap_or(one.steps) as f64)
             .collect()
@@ -154,7 +143,7 @@ impl<'a> ArmRecords<'a> {
 
     /// Returns the rounded mean of a figure over the trials that have it, or `None` if none has.
     fn mean_of(&self, figure: impl Fn(&Figures) -> Option<f64>) -> Option<f64> {
-        let known: Vec<f64> = self.figures().filter_map(|one| figure(&one)).collect();
+        let known: Vec<f64> = self.figures().filter_map(figure).collect();
         let sum: f64 = known.iter().sum();
         (!known.is_empty()).then(|| rounded(sum / known.len() as f64))
     }
@@ -185,7 +174,7 @@ impl<'a> ArmRecords<'a> {
     /// Returns the steps with some mistake as a share of all steps of all trials. `None` if there
     /// are none.
     fn share_of_steps(&self, mistakes: impl Fn(&Mistakes) -> u64) -> Option<f64> {
-        let progress = || self.figures().map(|one| one.progress);
+        let progress = || self.figures().map(|one| &one.progress);
         let found: f64 = progress().map(|one| mistakes(&one.mistakes) as f64).sum();
         let steps: f64 = progress().map(|one| one.steps as f64).sum();
         (found > 0.0).then(|| rounded(found / steps.max(1.0)))

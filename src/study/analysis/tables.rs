@@ -141,7 +141,7 @@ impl StudyFolder {
                 let row = Row {
                     protocol,
                     arm: protocol.arm(record.trial),
-                    record: &record,
+                    record,
                 };
                 let cells = COLUMNS.map(|(_, cell)| cell(&row));
                 table.serialize(cells.as_slice()).map_err(io_error)?;

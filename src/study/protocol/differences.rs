@@ -38,26 +38,6 @@ impl Protocol {
         self.reference.as_deref().unwrap_or_else(usual)
     }
 
-    /// Returns the place of each arm of `found` in this protocol, if this protocol has all its trials
-    /// and adds others, or has another reference method.
-    pub(in crate::study) fn extends(&self, found: &Self) -> Option<Vec<usize>> {
-        let is_larger = self.trials >= found.trials && self != found;
-        let shared = |one: &Self| {
-            (
-                one.version.clone(),
-                one.name.clone(),
-                one.seed,
-                one.episodes,
-                one.drives,
-            )
-        };
-        let has = |all: &[Maze], maze: &Maze| named(all, maze.name()) == Some(maze);
-        let has_worlds = found.worlds.iter().all(|maze| has(&self.worlds, maze));
-        let place = |arm: &Arm| self.arms.iter().position(|own| own == arm);
-        let places = found.arms.iter().map(place).collect::<Option<Vec<_>>>();
-        places.filter(|_| is_larger && has_worlds && shared(self) == shared(found))
-    }
-
     /// Returns the settings that the study changes in some arm and that nothing reads, each with the reason. A setting
     /// is read if an arm reads it that has the same value or changes it, too.
     pub fn unread(&self) -> BTreeMap<String, String> {
@@ -198,25 +178,6 @@ mod tests {
         assert_eq!(chosen("xcs").unwrap().reference_method(), "xcs");
         let fault = chosen("r-max").unwrap_err().to_string();
         assert!(fault.contains("give one of xcs, xcscr"), "{fault}");
-    }
-
-    #[test]
-    fn a_study_extends_another_that_has_some_of_its_trials_and_differs_in_nothing_else() {
-        let found = frozen(SMALL, &[]).unwrap();
-        let changed = |from: &str, to: &str| frozen(&SMALL.replace(from, to), &[]).unwrap();
-        for (from, to, places) in [
-            ("trials = 2", "trials = 3", Some(vec![0, 1])),
-            ("'xcs', ", "'xcs', 'r-max', ", Some(vec![0, 2])),
-            ("'maze4'", "'maze5', 'maze4'", Some(vec![2, 3])),
-            ("name", "reference = 'xcs'\nname", Some(vec![0, 1])),
-            ("trials = 2", "trials = 1", None),
-            ("'xcs', ", "", None),
-            ("episodes = 3", "episodes = 4", None),
-            ("name", "seed = 2\nname", None),
-            ("", "", None),
-        ] {
-            assert_eq!(changed(from, to).extends(&found), places, "{from} to {to}");
-        }
     }
 
     #[test]

@@ -34,6 +34,8 @@ const MOST_ARMS: usize = 2_500;
 /// large world.
 const MOST_WORLDS: usize = 1_000;
 const MOST_GENERATED: usize = 1 << 22;
+/// More tasks than any cluster engine accepts at once.
+const MOST_TASKS: usize = 100_000;
 /// Maximum number of trials. The missing trials are kept as a list.
 const MOST_TRIALS: usize = 4_000_000;
 
@@ -133,6 +135,26 @@ impl Protocol {
     /// Returns the id of the study: a checksum of everything in the protocol.
     pub fn id(&self) -> String {
         id_of(&self.to_json())
+    }
+
+    /// Returns the id of each arm: its name, and a checksum of everything that determines its trials. An arm has the same
+    /// id in a larger study.
+    pub(super) fn arm_ids(&self) -> Vec<String> {
+        let id = |(at, arm): (usize, &Arm)| {
+            let numbers = (&self.version, self.seed, self.episodes, self.drives);
+            let json = serde_json::to_string(&(numbers, arm)).expect("plain data becomes JSON");
+            let world = self.maze(at * self.trials).to_json();
+            format!("{} {}", arm.name(), id_of(&(json + &world)))
+        };
+        self.arms.iter().enumerate().map(id).collect()
+    }
+
+    /// Checks that the study can be split into this many tasks.
+    ///
+    /// # Errors
+    /// When there are more tasks than trials.
+    pub fn check_tasks(&self, tasks: usize) -> Result<(), Error> {
+        Ok(within("tasks", tasks, 1..=MOST_TASKS.min(self.len()))?)
     }
 
     /// Returns the protocol as a JSON document.

@@ -1,218 +1,180 @@
-//! The folder of a study: its plan, and its finished trials.
+//! A study in its folder: its plan, and its finished trials.
 
-use std::ops::Range;
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
-use super::journal;
-use super::outputs::is_output;
-use super::plan::{PLAN, PlannedStudy};
+use super::journal::{self, Journal};
+use super::outputs::remove_outputs;
+use super::plan::StoredPlan;
 use super::record::{TrialRecord, trial};
-use super::records::Records;
-use crate::disk;
-use crate::disk::{FolderLock, LOCK};
+use crate::disk::FolderLock;
 use crate::study::custom::Agents;
-use crate::study::error;
 use crate::study::protocol::Protocol;
 use crate::trial::Plan;
 use crate::{Error, ErrorKind};
 
-/// A planned study with its finished trials.
+/// A study in its folder, with its finished trials.
 #[derive(Debug)]
 pub struct StudyFolder {
-    pub(in crate::study) planned: PlannedStudy,
-    pub(in crate::study) records: Records,
+    pub(super) path: PathBuf,
+    pub(super) plan: StoredPlan,
+    /// The finished trials by number.
+    pub(super) records: BTreeMap<usize, TrialRecord>,
+    pub(in crate::study) agents: Agents,
     /// Whether to overwrite files whose contents differ from what the study would write.
-    pub(in crate::study) force: bool,
+    pub(super) force: bool,
+    /// Whether the folder still has the plan and the results of a smaller study.
+    pub(super) grows: bool,
     /// Held while this process writes the results.
-    _lock: Option<FolderLock>,
+    pub(super) _lock: Option<FolderLock>,
 }
 
 impl StudyFolder {
     /// Reads the folder of a study.
     ///
     /// # Errors
-    /// When the folder contains no study, or a damaged one.
+    /// When the folder contains no study, or a damaged one, or two journals disagree about a trial.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        Self::of(PlannedStudy::read(path)?, None)
+        Self::of(path, StoredPlan::read(path)?)
     }
 
-    /// Reads the finished trials of a study, from all journals or from those with trials of a task.
-    ///
-    /// # Errors
-    /// When a journal is damaged or cannot be read, or two journals disagree about a trial.
-    pub fn of(planned: PlannedStudy, task: Option<usize>) -> Result<Self, Error> {
+    /// Reads the finished trials of a plan.
+    pub(super) fn of(path: &Path, plan: StoredPlan) -> Result<Self, Error> {
         let mut folder = Self {
-            planned,
-            records: Records::default(),
+            path: path.to_owned(),
+            plan,
+            records: BTreeMap::new(),
+            agents: Agents::default(),
             force: false,
+            grows: false,
             _lock: None,
         };
-        // An earlier plan has other trials in a task.
-        let is_split = folder.planned.earlier().is_empty();
-        for (other, path) in folder.planned.journals()? {
-            if task.is_none_or(|task| task == other || !is_split) {
-                folder.read_journal(&path)?;
-            }
+        for path in journal::all(&folder.path)? {
+            folder.read_journal(&path)?;
         }
         Ok(folder)
     }
 
     fn read_journal(&mut self, path: &Path) -> Result<(), Error> {
-        let planned = self.planned.clone();
-        let earlier = planned.earlier();
-        let mut plans = vec![planned.plan()];
-        plans.extend(earlier.iter().map(|earlier| &earlier.plan[..]));
-        journal::read(path, &plans, &mut |plan, mut record| {
-            let numbered = match plan {
-                0 => Ok(()),
-                plan => earlier[plan - 1].renumber(&mut record, planned.protocol()),
-            };
-            let checked = numbered.and_then(|()| record.check(planned.protocol()));
-            checked.map_err(error::damaged(path))?;
-            self.insert(path, &record)
+        let places = self.plan.arms.iter().enumerate();
+        let places: BTreeMap<String, usize> = places.map(|(at, id)| (id.clone(), at)).collect();
+        let trials = self.protocol().trials;
+        journal::read(path, &mut |line| match places.get(&line.arm) {
+            Some(arm) if (1..=trials).contains(&line.trial) => {
+                let (trial, result) = (arm * trials + line.trial - 1, line.result);
+                self.insert(path, TrialRecord { trial, result })
+            }
+            // A trial of a larger study.
+            _ => Ok(()),
         })
     }
 
-    /// Adds a trial that was found in `place`.
-    fn insert(&mut self, place: &Path, record: &TrialRecord) -> Result<(), Error> {
-        match self.records.insert(record) {
-            true => Ok(()),
-            false => Err(ErrorKind::BadData.error(format!(
-                "{} contains another result of {} than an earlier line or journal: the plan is the \
-                 same, so the program or the machine may differ",
-                place.display(),
-                self.trial_name(record.trial)
-            ))),
+    /// Adds a record that was found in `place`. A result replaces a failure, which was repeated.
+    fn insert(&mut self, place: &Path, record: TrialRecord) -> Result<(), Error> {
+        match self.records.get(&record.trial).map(|known| &known.result) {
+            Some(Ok(known)) if record.figures().is_some_and(|figures| figures != known) => {
+                Err(ErrorKind::BadData.error(format!(
+                    "{} contains another result of {} than an earlier line or journal: the plan is the \
+                     same, so the program or the machine may differ",
+                    place.display(),
+                    self.trial_name(record.trial)
+                )))
+            }
+            Some(Ok(_)) => Ok(()),
+            _ => {
+                self.records.insert(record.trial, record);
+                Ok(())
+            }
         }
     }
 
-    /// Reads the folder of a study, and locks it for writing. Completes an interrupted replacement of a smaller study.
-    ///
-    /// # Errors
-    /// The same as for [`Self::read`], or [`ErrorKind::CannotCreate`] if another process has the lock.
-    pub fn read_locked(path: &Path) -> Result<Self, Error> {
-        // No lock file is created in a folder without a study.
-        let lock = PlannedStudy::is_in(path).then(|| lock(path)).transpose()?;
-        let mut folder = Self::read(path)?;
-        folder.remove_replaced()?;
-        Ok(Self {
-            _lock: lock,
-            ..folder
-        })
+    /// Starts a new journal.
+    pub(in crate::study) fn begin_journal(&self) -> Result<Journal, Error> {
+        Journal::begin(&self.path, &self.plan.arms, self.protocol().trials)
     }
 
-    /// Creates or reopens the folder of a study, and locks it for writing. The folder may contain a smaller
-    /// study, which stays there until the larger one is finished.
-    ///
-    /// # Errors
-    /// When the folder is in use or contains something else, or an error of the file system.
-    pub(in crate::study) fn open(path: &Path, protocol: &Protocol) -> Result<Self, Error> {
-        let is_new = !PlannedStudy::is_in(path);
-        if is_new || PlannedStudy::read(path)?.extended(protocol).is_none() {
-            let tasks = is_new.then_some(1);
-            PlannedStudy::in_folder(path, protocol.clone(), tasks)?.make()?;
-        }
-        let found = Self::read_locked(path)?;
-        let Some(larger) = found.planned.extended(protocol) else {
-            return Ok(found);
-        };
-        Ok(Self {
-            _lock: found._lock,
-            ..Self::of(larger, None)?
-        })
+    /// Adds the record of a trial that was missing.
+    pub(in crate::study) fn add(&mut self, record: TrialRecord) {
+        self.records.insert(record.trial, record);
     }
 
-    /// Returns true if the folder still has the plan of a smaller study.
-    pub(in crate::study) fn contains_smaller(&self) -> Result<bool, Error> {
-        Ok(PlannedStudy::read(self.path())?.plan() != self.plan())
+    /// Sets the custom agents of this program, with which the protocol was frozen.
+    pub fn with_agents(mut self, agents: Agents) -> Self {
+        self.agents = agents;
+        self
     }
 
-    /// Replaces another study in a folder by this one: removes its trials and the files generated
-    /// from them, and nothing else. A folder with no study, or with this one, is left as it is.
-    ///
-    /// # Errors
-    /// When another process has the lock, or an error of the file system.
-    pub fn replace_other(path: &Path, protocol: &Protocol) -> Result<(), Error> {
-        if !PlannedStudy::is_in(path) {
-            return Ok(());
-        }
-        let found = PlannedStudy::read(path)?;
-        if found.plan() == protocol.id() || found.extended(protocol).is_some() {
-            return Ok(());
-        }
-        let _lock = lock(path)?;
-        let journals = found.journals()?;
-        for (_, journal) in &journals {
-            require_journal(journal)?;
-        }
-        Self::remove_outputs(path)?;
-        for (_, journal) in journals {
-            disk::remove(&journal).map_err(error::io(&journal))?;
-        }
-        // The folder has a plan at any moment, so that it is recognised as the folder of a study.
-        PlannedStudy::new(path, protocol.clone(), 1)?.write(true)
-    }
-
-    /// Removes the failed trials and what was generated from them, so that the trials are run again. Their lines stay in
-    /// the journals until a result replaces them.
-    pub(in crate::study) fn remove_failed(&mut self) -> Result<(), Error> {
-        match self.records.remove_failed() && !self.contains_smaller()? {
-            true => Self::remove_outputs(self.path()),
-            false => Ok(()),
-        }
-    }
-
-    /// Returns the plan.
-    pub fn planned(&self) -> &PlannedStudy {
-        &self.planned
+    /// Sets whether to overwrite files whose contents differ from what the study would write.
+    pub fn replacing(mut self, force: bool) -> Self {
+        self.force = force;
+        self
     }
 
     /// Returns the frozen study.
     pub fn protocol(&self) -> &Protocol {
-        self.planned.protocol()
+        &self.plan.protocol
     }
 
     /// Returns the id of the frozen study.
     pub fn plan(&self) -> &str {
-        self.planned.plan()
+        &self.plan.id
+    }
+
+    /// Returns the number of tasks.
+    pub fn tasks(&self) -> usize {
+        self.plan.tasks
     }
 
     /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
-        self.planned.path()
+        &self.path
     }
 
     /// Returns the finished trials, in order.
-    pub fn records(&self) -> impl Iterator<Item = TrialRecord> + Clone + '_ {
-        self.records.iter()
+    pub fn records(&self) -> impl Iterator<Item = &TrialRecord> + Clone {
+        self.records.values()
     }
 
-    /// Returns the finished trials in a range, in order.
-    pub(in crate::study) fn records_of(
-        &self,
-        trials: Range<usize>,
-    ) -> impl Iterator<Item = TrialRecord> + '_ {
-        trials.filter_map(|trial| self.records.get(trial))
+    /// Returns the record of a trial, if it is finished.
+    pub(in crate::study) fn record(&self, trial: usize) -> Option<&TrialRecord> {
+        self.records.get(&trial)
     }
 
     /// Returns the trials that are not finished, in order.
     pub fn missing(&self) -> Vec<usize> {
-        let trials = 0..self.protocol().len();
-        trials.filter(|trial| !self.records.holds(*trial)).collect()
+        self.missing_of(0..self.protocol().len())
     }
 
-    /// Returns the trials of a task that are not finished, in order.
-    pub(in crate::study) fn missing_of(&self, task: usize) -> Vec<usize> {
-        let missing = self.planned.trials_of(task);
-        missing
-            .filter(|trial| !self.records.holds(*trial))
-            .collect()
+    fn missing_of(&self, trials: impl Iterator<Item = usize>) -> Vec<usize> {
+        let is_missing = |trial: &usize| !self.records.contains_key(trial);
+        trials.filter(is_missing).collect()
+    }
+
+    /// Returns the trials of a task, counted from 1, that are not finished, in order. Task `i` of `n` has every `n`-th
+    /// trial. None if there is no such task.
+    pub fn missing_of_task(&self, task: usize) -> Vec<usize> {
+        let first = task.checked_sub(1).unwrap_or(usize::MAX);
+        self.missing_of((first..self.protocol().len()).step_by(self.tasks()))
     }
 
     /// Returns the failed trials, in order.
     pub fn failed(&self) -> Vec<usize> {
         let failed = self.records().filter(|record| record.result.is_err());
         failed.map(|record| record.trial).collect()
+    }
+
+    /// Removes the failed trials and what was generated from them, so that the trials are run again. Their lines stay in
+    /// the journals until a result replaces them.
+    ///
+    /// # Errors
+    /// When a generated file cannot be removed.
+    pub fn retry_failed(&mut self) -> Result<(), Error> {
+        let all = self.records.len();
+        self.records.retain(|_, record| record.result.is_ok());
+        match self.records.len() < all && !self.grows {
+            true => remove_outputs(&self.path),
+            false => Ok(()),
+        }
     }
 
     /// Returns the best trial of a built-in method and its plan: optimal at the end, after the
@@ -222,7 +184,7 @@ impl StudyFolder {
     /// [`ErrorKind::BadData`] when the trial has another result than the stored one.
     pub fn best_trial(&self) -> Result<Option<(usize, Plan)>, Error> {
         let reached = self.records().filter_map(|record| {
-            let progress = record.result.ok()?.progress;
+            let progress = &record.figures()?.progress;
             let steps = progress.first_optimal_env_steps.unwrap_or(u64::MAX);
             let is_custom = self.protocol().arm(record.trial).agent.is_some();
             let progress = Some(progress).filter(|_| !is_custom)?;
@@ -231,9 +193,9 @@ impl StudyFolder {
         let Some((.., number)) = reached.min() else {
             return Ok(None);
         };
-        let (protocol, agents) = (self.protocol(), Agents::default());
-        self.require_equal(&TrialRecord::of(protocol, &agents, number))?;
-        let trial = trial(protocol, &agents, number).ok();
+        let (protocol, agents) = (self.protocol(), &self.agents);
+        self.require_equal(&TrialRecord::of(protocol, agents, number))?;
+        let trial = trial(protocol, agents, number).ok();
         Ok(trial.map(|trial| (number, trial.plan().clone())))
     }
 
@@ -242,7 +204,7 @@ impl StudyFolder {
     /// # Errors
     /// [`ErrorKind::BadData`] when it has another one.
     pub(in crate::study) fn require_equal(&self, repeated: &TrialRecord) -> Result<(), Error> {
-        let stored = self.records.get(repeated.trial);
+        let stored = self.records.get(&repeated.trial);
         if stored.is_none_or(|stored| stored.equals(repeated)) {
             return Ok(());
         }
@@ -251,7 +213,7 @@ impl StudyFolder {
              machine or the agent has changed, or the agent is not deterministic; run the study again in another \
              folder (`--out`)",
             self.trial_name(repeated.trial),
-            self.path().display()
+            self.path.display()
         )))
     }
 
@@ -275,24 +237,28 @@ impl StudyFolder {
             ))),
         }
     }
-}
 
-/// Checks that a file is a journal before it is removed. A user may give a file such a name.
-fn require_journal(file: &Path) -> Result<(), Error> {
-    match journal::is_journal(file)? {
-        true => Ok(()),
-        false => Err(ErrorKind::CannotCreate.error(format!(
-            "{} is not a journal of xcscr; nothing was removed: move the file to another folder, then \
-             run the command again",
-            file.display()
-        ))),
+    /// Checks that this program made the plan. Another version may compute other results, or have other settings.
+    pub(in crate::study) fn require_same_program(&self) -> Result<(), Error> {
+        let (found, this) = (&self.protocol().version, env!("CARGO_PKG_VERSION"));
+        match found == this {
+            true => Ok(()),
+            false => Err(ErrorKind::BadData.error(format!(
+                "{} was planned by xcscr {found}, but this is {this}: use that version, or plan the \
+                 study again in another folder",
+                self.path.display()
+            ))),
+        }
     }
-}
 
-/// Locks a folder, and removes the temporary files that a killed process left in it.
-fn lock(folder: &Path) -> Result<FolderLock, Error> {
-    let lock = FolderLock::acquire(folder, disk::cannot_create(&folder.join(LOCK)))?;
-    let is_ours = |name: &str| name == PLAN || is_output(name);
-    disk::remove_leftovers(folder, is_ours).map_err(error::io(folder))?;
-    Ok(lock)
+    /// Checks that there is such a task, counted from 1.
+    pub(in crate::study) fn require_task(&self, task: usize) -> Result<(), Error> {
+        let (folder, count) = (self.path.display(), self.tasks());
+        match (1..=count).contains(&task) {
+            true => Ok(()),
+            false => Err(ErrorKind::Usage.error(format!(
+                "{folder} has no task {task}: give a number from 1 to {count}"
+            ))),
+        }
+    }
 }

@@ -8,51 +8,66 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 
-use super::record::TrialRecord;
-use crate::Error;
+use serde::{Deserialize, Serialize};
+
+use super::record::{Figures, TrialRecord};
 use crate::disk;
 use crate::study::error;
+use crate::{Error, ErrorKind};
 
+/// The folder of the journals in the folder of a study.
+pub const JOURNALS: &str = "journals";
+/// The end of the name of a journal.
+const SUFFIX: &str = ".journal";
 /// The maximum length of a line, which is more than a record needs.
 const MOST_LINE_BYTES: u64 = 1 << 20;
 
 /// The first words of a journal.
 const MAGIC: &str = "xcscr study journal";
 /// The version of the line format.
-const FORMAT: u32 = 4;
-/// The words of a header between its plan and the plan that it adds trials to.
-const LARGER_THAN: &str = ", larger than ";
-/// The random characters at the end of a name.
-const RANDOM_CHARACTERS: usize = 10;
+const FORMAT: u32 = 5;
+
+/// A finished trial in a journal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Line {
+    /// The id of its arm.
+    pub arm: String,
+    /// Its number within the arm, from 1.
+    pub trial: usize,
+    pub result: Result<Figures, String>,
+}
 
 /// An open journal.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
     file: File,
+    arms: Vec<String>,
+    /// Trials per arm.
+    trials: usize,
 }
 
 impl Journal {
-    /// Starts a journal of a task in a new file in `folder`. `smaller` is the plan to which this plan adds
-    /// trials.
-    pub fn begin(
-        folder: &Path,
-        task: usize,
-        plan: &str,
-        smaller: Option<&str>,
-    ) -> Result<Self, Error> {
+    /// Starts a journal in a new file in the folder of a study with these arms, and so many trials of each.
+    pub fn begin(study: &Path, arms: &[String], trials: usize) -> Result<Self, Error> {
+        let folder = study.join(JOURNALS);
         let mut builder = tempfile::Builder::new();
-        let prefix = format!("{task:05}-");
-        builder.prefix(&prefix).rand_bytes(RANDOM_CHARACTERS);
+        builder.prefix("").suffix(SUFFIX).rand_bytes(10);
         // Temporary files are readable only by their owner; make this one as readable as other
         // files.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let made = builder.tempfile_in(folder).map_err(error::io(folder))?;
+        let made = builder.tempfile_in(&folder).map_err(error::io(&folder))?;
         let kept = made.keep();
-        let (file, path) = kept.map_err(|fault| error::io(folder)(fault.error))?;
-        let mut journal = Self { path, file };
-        let begun = journal.file.write_all(header(plan, smaller).as_bytes());
+        let (file, path) = kept.map_err(|fault| error::io(&folder)(fault.error))?;
+        let mut journal = Self {
+            path,
+            file,
+            arms: arms.to_vec(),
+            trials,
+        };
+        let begun = journal.file.write_all(header().as_bytes());
         begun
             .and_then(|()| journal.file.sync_all())
             .map_err(error::io(&journal.path))?;
@@ -61,6 +76,13 @@ impl Journal {
 
     /// Appends records.
     pub fn write(&mut self, records: &[TrialRecord]) -> Result<(), Error> {
+        let line = |record: &TrialRecord| {
+            line(&Line {
+                arm: self.arms[record.trial / self.trials].clone(),
+                trial: record.trial % self.trials + 1,
+                result: record.result.clone(),
+            })
+        };
         let lines: String = records.iter().map(line).collect();
         self.file
             .write_all(lines.as_bytes())
@@ -73,60 +95,69 @@ impl Journal {
     }
 }
 
-/// Returns the task in the name of a journal, or `None` for a file of another name.
-pub fn task_of(name: &str) -> Option<usize> {
-    let (task, random) = name.split_once('-')?;
-    let is_ours = task.len() >= 5
-        && task.bytes().all(|digit| digit.is_ascii_digit())
-        && random.len() == RANDOM_CHARACTERS
-        && random.bytes().all(|byte| byte.is_ascii_alphanumeric());
-    task.parse().ok().filter(|_| is_ours)
-}
-
-/// Returns true if a file begins like a journal of any plan. A killed process leaves a beginning of
-/// the first line.
+/// Returns the journals in the folder of a study, sorted.
 ///
 /// # Errors
-/// An error of the file system.
-pub fn is_journal(path: &Path) -> Result<bool, Error> {
+/// When the folder of the journals is a link, because journals are written and removed there, or cannot be read.
+pub fn all(study: &Path) -> Result<Vec<PathBuf>, Error> {
+    let folder = study.join(JOURNALS);
+    if folder.is_symlink() {
+        return Err(ErrorKind::CannotCreate.error(format!(
+            "{} is a link: replace it with the folder that it points to",
+            folder.display()
+        )));
+    }
+    let io = &error::io(&folder);
+    let mut found = Vec::new();
+    for entry in folder.read_dir().map_err(io)? {
+        let name = entry.map_err(io)?.file_name();
+        // Ignore other files, such as those of a network file system.
+        if name.to_str().is_some_and(|name| name.ends_with(SUFFIX)) {
+            found.push(folder.join(name));
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Checks that a file begins like a journal before it is removed. A user may give a file such a name, and a killed
+/// process leaves a beginning of the first line.
+pub fn require_journal(path: &Path) -> Result<(), Error> {
     let file = disk::open(path).map_err(error::io(path))?;
     let mut first = Vec::new();
     let read = file.take(MAGIC.len() as u64).read_to_end(&mut first);
     read.map_err(error::io(path))?;
-    Ok(MAGIC.as_bytes().starts_with(&first))
+    match MAGIC.as_bytes().starts_with(&first) {
+        true => Ok(()),
+        false => Err(ErrorKind::CannotCreate.error(format!(
+            "{} is not a journal of xcscr; nothing was removed: move the file to another folder, then \
+             run the command again",
+            path.display()
+        ))),
+    }
 }
 
-/// Calls `each` with the records of a journal, in the order of its lines, and with the place of its
-/// plan in `plans`. An incomplete last line is ignored, and so is the journal of a larger plan.
+/// Calls `each` with the lines of a journal, in their order. An incomplete last line is ignored.
 ///
 /// # Errors
-/// When the journal belongs to none of the plans, or a line before the last is
-/// bad; or an error of `each`.
-pub fn read(
-    path: &Path,
-    plans: &[&str],
-    each: &mut dyn FnMut(usize, TrialRecord) -> Result<(), Error>,
-) -> Result<(), Error> {
+/// When the first line is that of no journal, or a line before the last is bad; or an error of `each`.
+pub fn read(path: &Path, each: &mut dyn FnMut(Line) -> Result<(), Error>) -> Result<(), Error> {
     let file = disk::open(path).map_err(error::io(path))?;
     let mut lines = BufReader::new(file);
     let mut next = || next_line(&mut lines).map_err(error::io(path));
     let first = next()?;
-    let place = |plan: &str| plans.iter().position(|known| *known == plan);
-    let plan = match plans_in(&first) {
+    if first != header().as_bytes() {
         // A half-written header is the beginning of a new journal.
-        None if is_begun(&first) => return Ok(()),
-        Some((plan, smaller)) => match place(plan) {
-            None if smaller.and_then(place).is_some() => return Ok(()),
-            known => known,
-        },
-        None => None,
-    };
-    let plan = plan.ok_or_else(|| error::damaged(path)(foreign(&first)))?;
+        return match header().as_bytes().starts_with(&first) {
+            true => Ok(()),
+            false => Err(error::damaged(path)(foreign(&first))),
+        };
+    }
     for number in 2.. {
         let line = next()?;
         match parse(&line) {
             _ if line.is_empty() => break,
-            Some(record) => each(plan, record)?,
+            Some(line) => each(line)?,
             None if next()?.is_empty() => break,
             None => return Err(error::damaged(path)(damaged_line(number))),
         }
@@ -148,43 +179,14 @@ fn damaged_line(number: u64) -> String {
     )
 }
 
-fn header(plan: &str, smaller: Option<&str>) -> String {
-    let larger = |smaller: &str| {
-        let plans = format!("{plan}{LARGER_THAN}{smaller}");
-        format!("{plans} {}", sum(&plans))
-    };
-    let plans = smaller.map_or(plan.to_owned(), larger);
-    format!("{}{plans}\n", start_of_header())
-}
-
-fn start_of_header() -> String {
-    format!("{MAGIC} {FORMAT}, plan ")
-}
-
-/// Returns the plan of a journal with this first line, and the plan that it adds trials to. A checksum protects
-/// both, because the journal of an unknown larger plan is ignored.
-fn plans_in(header: &[u8]) -> Option<(&str, Option<&str>)> {
-    let line = std::str::from_utf8(header).ok()?.strip_suffix('\n')?;
-    let words = line.strip_prefix(&start_of_header())?;
-    if !words.contains(LARGER_THAN) {
-        return Some((words, None));
-    }
-    let (plans, found) = words.rsplit_once(' ')?;
-    let (plan, smaller) = plans.split_once(LARGER_THAN)?;
-    (sum(plans) == found).then_some((plan, Some(smaller)))
+fn header() -> String {
+    format!("{MAGIC} {FORMAT}\n")
 }
 
 /// Returns the checksum of a text. It is compared as text: a number has several spellings, and a flipped bit may
 /// turn one into another.
 fn sum(text: &str) -> String {
     format!("{:08x}", crc32fast::hash(text.as_bytes()))
-}
-
-/// Returns true for a first line without an end.
-fn is_begun(header: &[u8]) -> bool {
-    let start = start_of_header();
-    let shared = start.len().min(header.len());
-    !header.ends_with(b"\n") && header[..shared] == start.as_bytes()[..shared]
 }
 
 /// Describes what is wrong with the first line of a journal.
@@ -197,16 +199,16 @@ fn foreign(bytes: &[u8]) -> String {
             "it has format {found}, and this version reads format {FORMAT}; run the study again, \
              in another folder"
         ),
-        _ => "it is not the journal of this plan".to_owned(),
+        _ => "it is not the journal of a study".to_owned(),
     }
 }
 
-fn line(record: &TrialRecord) -> String {
-    let json = serde_json::to_string(record).expect("plain data becomes JSON");
+fn line(line: &Line) -> String {
+    let json = serde_json::to_string(line).expect("plain data becomes JSON");
     format!("{} {json}\n", sum(&json))
 }
 
-fn parse(line: &[u8]) -> Option<TrialRecord> {
+fn parse(line: &[u8]) -> Option<Line> {
     let line = line.strip_suffix(b"\n")?;
     let (found, json) = std::str::from_utf8(line).ok()?.split_once(' ')?;
     let intact = found == sum(json);
@@ -219,13 +221,13 @@ mod tests {
 
     use super::*;
 
-    fn contents(path: &Path, plan: &str) -> Result<Vec<TrialRecord>, Error> {
-        let mut records = Vec::new();
-        read(path, &[plan], &mut |_, record| {
-            records.push(record);
+    fn contents(path: &Path) -> Result<Vec<usize>, Error> {
+        let mut trials = Vec::new();
+        read(path, &mut |line| {
+            trials.push(line.trial);
             Ok(())
         })?;
-        Ok(records)
+        Ok(trials)
     }
 
     fn records(count: usize) -> Vec<TrialRecord> {
@@ -236,27 +238,32 @@ mod tests {
         (0..count).map(record).collect()
     }
 
-    /// A folder with the journal of a plan `p`.
+    /// A folder with the journal of an arm.
     fn written(records: &[TrialRecord]) -> (tempfile::TempDir, PathBuf, String) {
         let folder = tempfile::tempdir().unwrap();
-        let mut journal = Journal::begin(folder.path(), 1, "p", Some("o")).unwrap();
+        fs::create_dir(folder.path().join(JOURNALS)).unwrap();
+        let mut journal = Journal::begin(folder.path(), &["arm".to_owned()], 3).unwrap();
         journal.write(records).unwrap();
         journal.sync().unwrap();
+        assert_eq!(all(folder.path()).unwrap(), [journal.path.clone()]);
         let text = fs::read_to_string(&journal.path).unwrap();
         (folder, journal.path, text)
     }
 
     #[test]
     fn a_journal_cut_to_any_length_keeps_complete_lines() {
-        let all = records(3);
-        let (_folder, path, full) = written(&all);
+        let (_folder, path, full) = written(&records(3));
         let mut found = 0;
         for length in 0..=full.len() {
             fs::write(&path, &full[..length]).unwrap();
-            let records = contents(&path, "p").unwrap();
+            let trials = contents(&path).unwrap();
             let ends = full[..length].matches('\n').count();
-            assert_eq!(records, all[..ends.saturating_sub(1)], "cut to {length}");
-            found = records.len();
+            assert_eq!(
+                trials,
+                [1, 2, 3][..ends.saturating_sub(1)],
+                "cut to {length}"
+            );
+            found = trials.len();
         }
         assert_eq!(found, 3);
     }
@@ -265,14 +272,17 @@ mod tests {
     fn a_flipped_bit_is_damage_except_in_the_last_line_which_may_be_incomplete() {
         let (_folder, path, sound) = written(&records(3));
         let sound = sound.into_bytes();
-        let last = sound.len() - line(&records(3)[2]).len();
+        let last = 1 + sound[..sound.len() - 1]
+            .iter()
+            .rposition(|&byte| byte == b'\n')
+            .unwrap();
         for at in 0..8 * sound.len() {
             let mut bytes = sound.clone();
             bytes[at / 8] ^= 1 << (at % 8);
             fs::write(&path, &bytes).unwrap();
             // A flipped bit may create a line end, which splits a line in two.
             let may_be_torn = at / 8 >= last - 1 && bytes[at / 8] != b'\n';
-            match contents(&path, "p") {
+            match contents(&path) {
                 Ok(records) => {
                     assert!(may_be_torn, "bit {at} is taken for work that is not done");
                     assert!(records.len() < 3, "bit {at} changes nothing");
@@ -287,22 +297,15 @@ mod tests {
         let (_folder, path, _) = written(&records(1));
         let file = OpenOptions::new().append(true).open(&path).unwrap();
         file.set_len(64 << 30).unwrap();
-        assert!(contents(&path, "p").is_err());
-    }
-
-    #[test]
-    fn the_journal_of_another_plan_is_refused_unless_it_adds_trials_to_this_one() {
-        let (_folder, path, _) = written(&records(1));
-        assert!(contents(&path, "q").is_err());
-        assert!(contents(&path, "o").unwrap().is_empty());
+        assert!(contents(&path).is_err());
     }
 
     #[test]
     fn a_journal_of_another_format_is_refused_with_both_versions() {
         let (_folder, path, text) = written(&records(1));
-        fs::write(&path, text.replace("journal 4", "journal 1")).unwrap();
-        let fault = contents(&path, "p").unwrap_err().to_string();
-        let words = "it has format 1, and this version reads format 4";
+        fs::write(&path, text.replace("journal 5", "journal 4")).unwrap();
+        let fault = contents(&path).unwrap_err().to_string();
+        let words = "it has format 4, and this version reads format 5";
         assert!(fault.contains(words), "{fault}");
     }
 }

@@ -5,17 +5,17 @@
 //! renamed or has two writers: every process that runs trials writes its own. A process repeats
 //! trials whose results are not visible yet, and gets the same results. A lock only protects the
 //! tables and reports that are generated from all trials.
+//!
+//! A journal names each trial by the contents of its arm and by its number in the arm. A study that grows therefore reads
+//! the journals of the smaller one, and the smaller one passes over the trials of the larger one.
 
-pub(super) mod earlier;
 mod folder;
+mod growth;
 mod journal;
 pub(super) mod outputs;
-pub(super) mod plan;
+mod plan;
 pub(super) mod record;
-mod records;
 
 pub use folder::StudyFolder;
 pub(super) use journal::Journal;
-pub use plan::PlannedStudy;
 pub use record::{Driven, Figures, TrialRecord};
-pub(super) use records::Records;

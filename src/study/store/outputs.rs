@@ -30,7 +30,7 @@ pub fn is_output(name: &str) -> bool {
 }
 
 /// Returns the names of the files that a study may generate.
-pub(in crate::study) fn outputs() -> impl Iterator<Item = &'static str> {
+pub(super) fn outputs() -> impl Iterator<Item = &'static str> {
     DOCUMENTS.into_iter().chain(FIGURES)
 }
 
@@ -42,29 +42,22 @@ pub fn io_error(fault: csv::Error) -> io::Error {
     }
 }
 
-impl StudyFolder {
-    /// Sets whether to overwrite files whose contents differ from what the study would write.
-    pub fn replacing(mut self, force: bool) -> Self {
-        self.force = force;
-        self
-    }
+/// Removes all generated files.
+pub(super) fn remove_outputs(path: &Path) -> Result<(), Error> {
+    remove(path, outputs())
+}
 
+fn remove(path: &Path, mut names: impl Iterator<Item = &'static str>) -> Result<(), Error> {
+    names.try_for_each(|name| {
+        let file = path.join(name);
+        disk::remove(&file).map_err(error::io(&file))
+    })
+}
+
+impl StudyFolder {
     /// Removes the reports, which are generated from the tables.
     pub(in crate::study) fn remove_reports(&self) -> Result<(), Error> {
-        ["report.md", "report.html"]
-            .into_iter()
-            .try_for_each(|name| {
-                let file = self.path().join(name);
-                disk::remove(&file).map_err(error::io(&file))
-            })
-    }
-
-    /// Removes all generated files.
-    pub(super) fn remove_outputs(path: &Path) -> Result<(), Error> {
-        outputs().try_for_each(|name| {
-            let file = path.join(name);
-            disk::remove(&file).map_err(error::io(&file))
-        })
+        remove(self.path(), ["report.md", "report.html"].into_iter())
     }
 
     /// Writes a generated file. An existing file with other contents belongs to somebody else or

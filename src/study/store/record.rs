@@ -61,7 +61,7 @@ impl Driven {
 }
 
 /// A finished trial of a study: its number, and its figures or its error.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TrialRecord {
     /// The trial's number in the study, from 0.
     pub trial: usize,
@@ -93,20 +93,6 @@ impl TrialRecord {
         let result = result.unwrap_or_else(|panic| Err(words(&*panic)));
         let result = result.map_err(shortened);
         Self { trial, result }
-    }
-
-    /// Checks that the study has such a trial.
-    ///
-    /// # Errors
-    /// Describes the fault.
-    pub(in crate::study) fn check(&self, protocol: &Protocol) -> Result<(), String> {
-        let (trial, trials) = (self.trial, protocol.len());
-        match trial < trials {
-            true => Ok(()),
-            false => Err(format!(
-                "the study has no trial {trial}: it has {trials}, counted from 0"
-            )),
-        }
     }
 
     /// Returns true if both have the same figures, or both failed. The texts of errors may differ, as an address or a
