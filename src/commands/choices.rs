@@ -68,7 +68,7 @@ pub fn sensor() -> impl TypedValueParser<Value = Sensor> {
 /// The options that determine the settings.
 #[derive(Debug, clap::Args)]
 pub struct SettingsArgs {
-    /// The robot: a bundled profile or a TOML file; `xcscr robot list` lists them.
+    /// The robot: a bundled profile or a TOML file; `xcscr robot show` lists them.
     #[arg(long, value_name = "NAME|FILE")]
     pub robot: Option<String>,
     /// Settings file (TOML); `xcscr config show` prints one.

@@ -11,21 +11,20 @@ use super::results::Results;
 /// Subcommands of `robot`.
 #[derive(Debug, Subcommand)]
 pub enum RobotCommand {
-    /// List the bundled profiles.
-    List,
-    /// Print a profile with the source of each value, as a file for `--robot`.
+    /// Print a profile with the source of each value, as a file for `--robot`, or list the bundled profiles.
     Show {
-        /// A bundled profile or a TOML file.
+        /// A bundled profile or a TOML file. Without it, the bundled profiles are listed.
         #[arg(value_name = "NAME|FILE")]
-        robot: String,
+        robot: Option<String>,
     },
 }
 
 /// Runs a subcommand of `robot`.
 pub fn run(command: &RobotCommand, out: &mut Results) -> Result<(), Failure> {
-    match command {
-        RobotCommand::List => list(out),
-        RobotCommand::Show { robot } => show(&RobotProfile::load(robot)?, out),
+    let RobotCommand::Show { robot } = command;
+    match robot {
+        None => list(out),
+        Some(robot) => show(&RobotProfile::load(robot)?, out),
     }
 }
 

@@ -40,7 +40,7 @@ fn config_show_names_the_maze_as_the_origin_of_what_it_decides() {
 #[test]
 fn config_show_names_the_robot_as_the_origin_of_what_its_profile_decides() {
     let desk = Desk::new();
-    assert_eq!(desk.ok("robot list").lines().count(), 4);
+    assert_eq!(desk.ok("robot show").lines().count(), 4);
     desk.write("own.toml", desk.ok("robot show turtlebot4-lite"));
     let settings = desk.ok("config show --robot @own.toml");
     let mut lines = settings.lines();
