@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use super::shipped;
+use super::{StudyKey, shipped};
 use crate::agent::Method;
 use crate::arena::ArenaKind;
 use crate::disk;
@@ -115,7 +115,9 @@ impl StudyFile {
     /// # Errors
     /// When the text is not a valid study.
     pub fn parse(text: &str, origin: &str, folder: &Path) -> Result<Self, Error> {
-        let fault = |fault: toml::de::Error| error::file(origin, readable(&fault.to_string()));
+        let fault = |fault: toml::de::Error| error::file(origin, shortened(&fault.to_string()));
+        let table = toml::from_str(text).map_err(fault)?;
+        check_keys(&table).map_err(|fault| error::file(origin, fault))?;
         Ok(Self {
             origin: origin.to_owned(),
             folder: folder.to_owned(),
@@ -222,30 +224,16 @@ fn world_for_study(world: &Path) -> String {
     )
 }
 
-/// Returns the message of the TOML library. For an unknown key or value, the message is replaced by
-/// one that suggests the most similar name, or lists all names.
-fn readable(fault: &str) -> String {
-    if let Some((_, key, known)) = unknown(fault, "unknown field `") {
-        return match similar(key, known.iter().copied()) {
-            Some(known) => format!("there is no key `{key}`; did you mean `{known}`?"),
-            None => format!("there is no key `{key}`, only {}", known.join(", ")),
-        };
-    }
-    let Some((place, name, known)) = unknown(fault, "unknown variant `") else {
-        return shortened(fault);
+/// Rejects an unknown key, with a similar one or all of them.
+fn check_keys(table: &Table) -> Result<(), String> {
+    let known: Vec<String> = StudyKey::all().into_iter().map(|key| key.name).collect();
+    let Some(key) = table.keys().find(|key| !known.contains(key)) else {
+        return Ok(());
     };
-    let hint = similar(name, known.iter().copied()).map_or_else(
-        || format!("give one of {}", known.join(", ")),
-        |name| format!("did you mean `{name}`?"),
-    );
-    format!("{place}there is no `{}`: {hint}", shortened(name))
-}
-
-/// Returns the place, the unknown name and the known names in a message of the TOML library.
-fn unknown<'a>(fault: &'a str, kind: &str) -> Option<(&'a str, &'a str, Vec<&'a str>)> {
-    let (place, rest) = fault.split_once(kind)?;
-    let (name, known) = rest.split_once("`, expected ")?;
-    Some((place, name, known.split('`').skip(1).step_by(2).collect()))
+    Err(match similar(key, known.iter().map(String::as_str)) {
+        Some(known) => format!("there is no key `{key}`; did you mean `{known}`?"),
+        None => format!("there is no key `{key}`, only {}", known.join(", ")),
+    })
 }
 
 #[cfg(test)]
@@ -271,11 +259,11 @@ mod tests {
             (changed("maze4", "maze99"), "there is no world `maze99`"),
             (
                 changed("\"xcs\"", "\"q-lerning\""),
-                "there is no `q-lerning`: did you mean `q-learning`?",
+                "unknown variant `q-lerning`, expected one of `xcs`, ",
             ),
             (changed("\"xcs\"", "\"xcs\", \"xcs\""), "twice: remove"),
             (changed("\"maze4\"", ""), "it has no trials"),
-            (changed("\"xcs\"", "\"?\""), "give one of xcs, xcsam,"),
+            (changed("\"xcs\"", "\"?\""), "line 3"),
             (
                 changed("\"s\"", r#""\u001b[31mred""#),
                 "a control character",
