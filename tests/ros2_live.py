@@ -310,7 +310,7 @@ def mislocalised(run):
 
 def refused(run):
     driver = drive(run, *BURGER)
-    claim(driver.wait(10) == 65 and "another robot" in driver.said(), "a policy for another robot is refused")
+    claim(driver.wait(10) == 65 and "a different robot" in driver.said(), "a policy for another robot is refused")
 
 
 def drives(run, world="maze4", factor=4, robot_of=()):

@@ -34,7 +34,7 @@ fn a_build_without_ros_2_says_how_to_get_it_and_still_refuses_another_robot() {
         "train run maze4 --episodes 2
          2 simulate worlds/maze4.json --ros2 => --features ros2
          2 drive @run --ros2 => --features ros2
-         65 drive @run --ros2 --robot turtlebot3-burger => another robot",
+         65 drive @run --ros2 --robot turtlebot3-burger => a different robot",
     );
 }
 
