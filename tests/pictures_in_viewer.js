@@ -59,7 +59,8 @@ async function opened(browser, link, seconds, change, [width, height]) {
   const page = await browser.newPage({ viewport: { width, height }, colorScheme: "dark" });
   const url = new URL(viewer);
   url.search = new URL(link).search;
-  url.searchParams.set("time", new Date(seconds * 1000).toISOString());
+  // Recordings begin at this date.
+  url.searchParams.set("time", new Date(Date.UTC(2000, 0, 1) + seconds * 1000).toISOString());
   const origin = { origin: url.origin };
   const asked = await page.request.get(url.searchParams.get("layoutUrl"), { headers: origin });
   const layout = await asked.json();
