@@ -133,10 +133,10 @@ async function main() {
   await picture(browser, "felt", felt.links[0], 30, closeUp(5), [1120, 680]);
   felt.child.kill();
   const large = await serve(run("large"));
-  await picture(browser, "large", large.links[0], 80);
+  await picture(browser, "large", large.links[0], 3000);
   large.child.kill();
   const huge = await serve(run("huge"));
-  await picture(browser, "huge", huge.links[0], 80);
+  await picture(browser, "huge", huge.links[0], 10700);
   huge.child.kill();
   await browser.close();
   fs.rmSync(scratch, { recursive: true });

@@ -52,7 +52,8 @@ impl Plot<'_> {
         });
         let (kind, path) = match self.x {
             Axis::Time => ("timestamp", None),
-            Axis::Episode => ("custom", Some("/episode.episode")),
+            // Lichtblick of 2026 draws nothing if both axes have the same topic.
+            Axis::Episode => ("custom", Some("/begin.episode")),
             Axis::Curve => ("currentCustom", Some("/curve.episode[:]")),
         };
         state["xAxisVal"] = json!(kind);
