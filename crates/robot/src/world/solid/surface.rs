@@ -7,6 +7,8 @@ use super::Solid;
 
 /// Surfaces farther from a point than this, in metres, are not near it.
 const NEAR_M: f64 = 1.0;
+/// The share of the line from a corner to a point that lies in one pixel.
+const BEGIN: f64 = 0.001;
 
 impl Field for Solid {
     fn nearest(&self, point_m: Vector2<f64>, direction: Vector2<f64>) -> Option<Surface> {
@@ -17,7 +19,6 @@ impl Field for Solid {
         if self.clear_m(col, row) > NEAR_M {
             return None;
         }
-        let is_inside = self.is_solid(col, row);
         let square = |near: Option<(f64, Surface)>| near.map_or(NEAR_M * NEAR_M, |near| near.0);
         let rings = (NEAR_M / self.pixel_m).ceil() as i32 + 1;
         // A pixel on a ring is at most a diagonal of the ring away.
@@ -32,7 +33,7 @@ impl Field for Solid {
             for_ring([col, row], ring, |pixel| {
                 for side in self.sides(at, pixel, direction) {
                     if side.square < square(nearest) {
-                        let surface = side.surface(is_inside);
+                        let surface = self.surface(at, side);
                         let faces_beam = surface.normal.dot(&direction) < 0.0;
                         nearest = faces_beam.then_some((side.square, surface)).or(nearest);
                     }
@@ -63,27 +64,27 @@ struct Side {
     square: f64,
 }
 
-impl Side {
-    /// Returns the surface, seen from the point: beside the side, its normal points to or from the
-    /// nearest corner.
-    fn surface(self, is_inside: bool) -> Surface {
-        let is_beside = self.from.perp(&self.normal) != 0.0;
+impl Solid {
+    /// Returns the surface of a side, seen from a point of the raster. Beside the side, its normal points
+    /// to or from the nearest corner: from it if the line to the point begins in free space.
+    fn surface(&self, at: Point2<f64>, side: Side) -> Surface {
+        let is_beside = side.from.perp(&side.normal) != 0.0;
         if !is_beside {
             return Surface {
-                normal: self.normal,
-                distance_m: self.from.dot(&self.normal),
+                normal: side.normal,
+                distance_m: side.from.dot(&side.normal),
             };
         }
-        let sign = if is_inside { -1.0 } else { 1.0 };
-        let distance = self.square.sqrt();
+        let corner = at - side.from;
+        let [col, row] = self.pixel_of(corner + BEGIN * side.from);
+        let sign = if self.is_solid(col, row) { -1.0 } else { 1.0 };
+        let distance = side.square.sqrt();
         Surface {
-            normal: sign * self.from / distance,
+            normal: sign * side.from / distance,
             distance_m: sign * distance,
         }
     }
-}
 
-impl Solid {
     /// Returns the sides of a pixel between solid and free that face a beam of this direction, seen from
     /// a point of the raster.
     fn sides(
