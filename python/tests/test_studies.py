@@ -308,7 +308,7 @@ def test_bad_input_is_refused_with_the_message_of_the_program(tmp_path):
         study(["q-lerning"])
     with pytest.raises(ValueError, match="there is no world `maze99`"):
         study(["xcs"], worlds=["maze99"])
-    with pytest.raises(ValueError, match="has no methods"):
+    with pytest.raises(ValueError, match="list worlds and methods"):
         study([])
     with pytest.raises(ValueError, match="`maze4 xcs grid neighbours` twice"):
         study(["xcs", "xcs"])
