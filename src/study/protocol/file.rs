@@ -117,7 +117,7 @@ impl StudyFile {
     pub fn parse(text: &str, origin: &str, folder: &Path) -> Result<Self, Error> {
         let fault = |fault: toml::de::Error| error::file(origin, shortened(&fault.to_string()));
         let table = toml::from_str(text).map_err(fault)?;
-        check_keys(&table).map_err(|fault| error::file(origin, fault))?;
+        check_names(&table).map_err(|fault| error::file(origin, fault))?;
         Ok(Self {
             origin: origin.to_owned(),
             folder: folder.to_owned(),
@@ -190,15 +190,9 @@ impl StudyFile {
     }
 
     /// Returns the settings of one method.
-    pub(super) fn method_settings(&self, method: Method) -> Result<Table, Error> {
-        let settings = &self.method_settings;
-        let known = |name: &str| Method::ALL.iter().any(|method| method.name() == name);
-        if let Some(name) = settings.keys().find(|name| !known(name)) {
-            let names: Vec<&str> = Method::ALL.iter().map(|method| method.name()).collect();
-            let fault = format!("there is no method `{name}`, only {}", names.join(", "));
-            return Err(self.fault(fault));
-        }
-        Ok(settings.get(method.name()).cloned().unwrap_or_default())
+    pub(super) fn method_settings(&self, method: Method) -> Table {
+        let settings = self.method_settings.get(method.name());
+        settings.cloned().unwrap_or_default()
     }
 }
 
@@ -224,16 +218,40 @@ fn world_for_study(world: &Path) -> String {
     )
 }
 
-/// Rejects an unknown key, with a similar one or all of them.
-fn check_keys(table: &Table) -> Result<(), String> {
-    let known: Vec<String> = StudyKey::all().into_iter().map(|key| key.name).collect();
-    let Some(key) = table.keys().find(|key| !known.contains(key)) else {
+/// Rejects an unknown name of a key, a method, an arena or a sensor.
+fn check_names(table: &Table) -> Result<(), String> {
+    let keys = StudyKey::all();
+    let keys = keys.iter().map(|key| key.name.as_str()).collect();
+    check_known("key", table.keys().map(String::as_str), keys)?;
+    let listed = |key: &str| {
+        let values = table.get(key).and_then(Value::as_array);
+        values.into_iter().flatten().filter_map(Value::as_str)
+    };
+    let methods: Vec<&str> = Method::ALL.iter().map(|method| method.name()).collect();
+    check_known("method", listed("methods"), methods.clone())?;
+    let own = table.get("method-settings").and_then(Value::as_table);
+    let own = own.into_iter().flat_map(Table::keys).map(String::as_str);
+    check_known("method", own, methods)?;
+    let arenas = ArenaKind::ALL.iter().map(|arena| arena.name());
+    check_known("arena", listed("arenas"), arenas.collect())?;
+    let sensors = Sensor::ALL.iter().map(|sensor| sensor.name());
+    check_known("sensor", listed("sensors"), sensors.collect())
+}
+
+/// Rejects names that are not known, with a similar one or all of them.
+fn check_known<'a>(
+    kind: &str,
+    mut names: impl Iterator<Item = &'a str>,
+    known: Vec<&str>,
+) -> Result<(), String> {
+    let Some(name) = names.find(|name| !known.contains(name)) else {
         return Ok(());
     };
-    Err(match similar(key, known.iter().map(String::as_str)) {
-        Some(known) => format!("there is no key `{key}`; did you mean `{known}`?"),
-        None => format!("there is no key `{key}`, only {}", known.join(", ")),
-    })
+    let hint = match similar(name, known.iter().copied()) {
+        Some(known) => format!("; did you mean `{known}`?"),
+        None => format!(", only {}", known.join(", ")),
+    };
+    Err(format!("there is no {kind} `{}`{hint}", shortened(name)))
 }
 
 #[cfg(test)]
@@ -259,11 +277,22 @@ mod tests {
             (changed("maze4", "maze99"), "there is no world `maze99`"),
             (
                 changed("\"xcs\"", "\"q-lerning\""),
-                "unknown variant `q-lerning`, expected one of `xcs`, ",
+                "there is no method `q-lerning`; did you mean `q-learning`?",
             ),
             (changed("\"xcs\"", "\"xcs\", \"xcs\""), "twice: remove"),
             (changed("\"maze4\"", ""), "it has no trials"),
-            (changed("\"xcs\"", "\"?\""), "line 3"),
+            (
+                changed("\"xcs\"", "\"?\""),
+                "there is no method `?`, only xcs, xcsam,",
+            ),
+            (
+                with("arenas = [\"fysics\"]"),
+                "there is no arena `fysics`; did you mean `physics`?",
+            ),
+            (
+                with("sensors = [\"lydar\"]"),
+                "there is no sensor `lydar`; did you mean `lidar`?",
+            ),
             (
                 changed("\"s\"", r#""\u001b[31mred""#),
                 "a control character",
@@ -277,7 +306,7 @@ mod tests {
             ),
             (
                 with("[method-settings.xcsr]\n\"xcs.beta\" = 0.1"),
-                "there is no method `xcsr`",
+                "there is no method `xcsr`; did you mean `xcscr`?",
             ),
         ] {
             let message = frozen(&text, &[]).unwrap_err().to_string();

@@ -70,7 +70,7 @@ fn arms(file: &StudyFile, worlds: &[Maze], agents: &Agents) -> Result<Vec<Arm>, 
     for maze in worlds {
         for &method in &file.methods {
             let common = settings(file, maze.name(), method)?;
-            let own = override_with(&common, &file.origin, &file.method_settings(method)?)?;
+            let own = override_with(&common, &file.origin, &file.method_settings(method))?;
             arms.extend(arms_of(file, maze, method, &own, &variants)?);
         }
         for name in agents.names() {
