@@ -32,7 +32,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, LaserScan
 
 from ros2_peers import LASTING, Listener, Peer, Program, Relay
-from ros2_peers import another_publisher, another_type, changed, later, like_the_lds_01, not_a_number, stand_still, turned
+from ros2_peers import another_publisher, another_type, changed, later, like_the_lds_01, no_echo_is_zero, not_a_number, stand_still, turned
 
 XCSCR = Path(sys.argv[1]).resolve()
 DRIVES = int(sys.argv[2]) if len(sys.argv) > 2 else 5
