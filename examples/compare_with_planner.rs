@@ -4,7 +4,7 @@
 //!
 //! ```sh
 //! cargo run --example draw_office_map -- office
-//! cargo run -- world convert office/office.yaml --cell 0.5 --goal 14.0,12.5 -o office.json
+//! cargo run -- world convert office/office.yaml --cell 0.5 --start 2.0,2.0 --goal 14.0,12.5 -o office.json
 //! cargo run -- train office.json --robot turtlebot3-burger --out office-run
 //! cargo run --example compare_with_planner -- office-run 20 101
 //! ```
