@@ -16,21 +16,18 @@ use xcscr_robot::input;
 
 /// The profiles that come with the program, by name.
 const BUNDLED: [(&str, &str); 4] = [
-    (
-        "default",
-        include_str!("../../../../assets/robots/default.toml"),
-    ),
+    ("default", include_str!("../../robots/default.toml")),
     (
         "turtlebot3-burger",
-        include_str!("../../../../assets/robots/turtlebot3-burger.toml"),
+        include_str!("../../robots/turtlebot3-burger.toml"),
     ),
     (
         "turtlebot3-waffle-pi",
-        include_str!("../../../../assets/robots/turtlebot3-waffle-pi.toml"),
+        include_str!("../../robots/turtlebot3-waffle-pi.toml"),
     ),
     (
         "turtlebot4-lite",
-        include_str!("../../../../assets/robots/turtlebot4-lite.toml"),
+        include_str!("../../robots/turtlebot4-lite.toml"),
     ),
 ];
 

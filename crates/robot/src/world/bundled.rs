@@ -1,4 +1,6 @@
 //! Worlds that are bundled with the program, by name.
+//!
+//! The folder `worlds` of this crate is a link to that of the repository, so that a package contains it.
 
 use std::path::Path;
 
@@ -10,25 +12,22 @@ macro_rules! classic {
     ($name:literal) => {
         (
             $name,
-            include_str!(concat!("../../../../worlds/classic/", $name, ".json")),
+            include_str!(concat!("../../worlds/classic/", $name, ".json")),
         )
     };
 }
 
 /// The bundled worlds: name and text.
 const WORLDS: [(&str, &str); 35] = [
-    ("maze4", include_str!("../../../../worlds/maze4.json")),
-    ("maze5", include_str!("../../../../worlds/maze5.json")),
-    (
-        "maze5-wet",
-        include_str!("../../../../worlds/maze5-wet.json"),
-    ),
-    ("maze6", include_str!("../../../../worlds/maze6.json")),
+    ("maze4", include_str!("../../worlds/maze4.json")),
+    ("maze5", include_str!("../../worlds/maze5.json")),
+    ("maze5-wet", include_str!("../../worlds/maze5-wet.json")),
+    ("maze6", include_str!("../../worlds/maze6.json")),
     (
         "maze6-classic",
-        include_str!("../../../../worlds/maze6-classic.json"),
+        include_str!("../../worlds/maze6-classic.json"),
     ),
-    ("woods1", include_str!("../../../../worlds/woods1.json")),
+    ("woods1", include_str!("../../worlds/woods1.json")),
     classic!("cassandra4x4"),
     classic!("lab1"),
     classic!("littman57"),
