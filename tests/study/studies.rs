@@ -184,7 +184,11 @@ fn faults_in_a_study_and_in_its_commands_are_told_with_the_way_out() {
             65,
             "did you mean `xcs.beta`?",
         ),
-        ("run method.toml --out x", 65, "line 4"),
+        (
+            "run method.toml --out x",
+            65,
+            "method.toml: there is no method `xxx`, only xcs, xcsam,",
+        ),
         (
             "run none.toml --out x",
             66,
