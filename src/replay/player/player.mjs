@@ -241,7 +241,7 @@ function begin() {
   // Old browsers cannot unpack the episodes.
   if (typeof DecompressionStream === "undefined") recording.packed_episodes = [];
   byId("result").textContent = summary(data.curve, data.result);
-  byId("curve-note").textContent = data.curve.episode.length ? "The red line marks the episode that is shown. Click to go to an episode." : "This recording has no learning curve.";
+  byId("curve-note").textContent = data.curve.episode.length ? "The red line marks the shown episode. The learned policy has none. Click to go to an episode." : "This recording has no learning curve.";
   byId("sure-title").hidden = byId("sure").hidden = !data.localisations.length;
   listLegend();
   listLayers();
