@@ -77,7 +77,7 @@ settings! {
         /// r_s, the short-term reward of a step that ends in a collision (paper, section II-C).
         collision: f64 = -50.0, in -1e6..=0.0;
         /// gamma: the discount per step. With 0.71, the payoffs of neighbouring cells twelve steps from the goal
-        /// differ by less than epsilon_0. Rules that match both then look accurate.
+        /// differ by less than 10. With such an epsilon_0, rules that match both look accurate.
         gamma: f64 = 0.9, in 0.0..=1.0;
         /// c of Eq. 8, in steps. 0 means the length of the shortest success of the trial so far: then the best path
         /// gets the whole reward in each step.

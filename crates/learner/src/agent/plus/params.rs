@@ -11,7 +11,8 @@ settings! {
         /// Replay known percepts after each step, with the reward of a success for the best actions of the plan. Without
         /// it, there is no guided covering either.
         replay: bool = true;
-        /// Add the most general rules that no known percept contradicts, at the end of an episode.
+        /// Add the most general rules that no known percept contradicts: at the end of an episode, and after a step for
+        /// the next percept if the rules disagree with the plan there.
         guided_covering: bool = true;
         /// Explore along planned paths toward untried actions. Without it, exploration is random
         /// (p_explr).
