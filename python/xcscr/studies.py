@@ -29,8 +29,8 @@ class Agent(Protocol):
     A percept is a `bytes` with a 0 or 1 for each bit; `numpy.frombuffer(percept, "int8")` is the observation of the
     environment. The study builds an agent for each trial with the arguments `n_actions`, `n_bits` and `seed`.
 
-    An agent may also have `choose(percept)`, which returns an action. Without it, the study explores as for its own
-    methods: a random action with the probability `episode.explore`, and otherwise one of the best. With it, the study
+    An agent may also have `choose(percept)`, which returns an action. Without it, the study explores:
+    a random action with the probability `episode.explore`, and otherwise one of the best. With it, the study
     still judges the greedy policy by `values`. `len(agent)`, if there is one, is reported as the number of rules.
     """
 
