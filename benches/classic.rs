@@ -12,7 +12,7 @@ use std::path::Path;
 use serde_json::json;
 use xcscr::agent::{self, Agent, Explorer, Method, Setup};
 use xcscr::arena::GridArena;
-use xcscr::episode;
+use xcscr::episode::{self, Start};
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
 use xcscr::trial::{Resolved, Settings};
@@ -64,18 +64,13 @@ fn learn(maze: Maze, learner: &mut dyn Agent, seed: u64, problems: u32) -> Tally
     for number in 1..=2 * problems {
         let explores = number % 2 == 1;
         explorer.set_probability(f64::from(u8::from(explores)));
-        learner.begin_episode(explores);
-        let start = cells[starts.below(cells.len())];
+        let start = Start {
+            episode: number,
+            cell: cells[starts.below(cells.len())],
+            evolves: explores,
+        };
         let (sensor, explorer) = (Sensor::Neighbours, &mut explorer);
-        let (episode, _) = episode::run(
-            number,
-            start,
-            &mut arena,
-            sensor,
-            learner,
-            explorer,
-            &mut (),
-        );
+        let (episode, _) = episode::run(start, &mut arena, sensor, learner, explorer, &mut ());
         tally.steps += u64::from(episode.steps);
         if !explores {
             tally.exploits.push(episode.steps);

@@ -66,7 +66,7 @@ pub enum Command {
     Export(ExportArgs),
     /// Open recordings in Lichtblick or Foxglove, or write a web page that plays them.
     Replay(ReplayArgs),
-    /// Summarise, check, verify and convert recordings.
+    /// Summarise, check and verify recordings.
     #[command(subcommand)]
     Recording(RecordingCommand),
     /// Run many trials and compare methods.

@@ -17,7 +17,7 @@ use std::path::Path;
 use fnv::FnvHasher;
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
-use xcscr::episode::{Episode, Learned, Observer, Step};
+use xcscr::episode::{AfterEpisode, Episode, Observer, Step};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Plan, Trial};
 use xcscr::world::Maze;
@@ -43,7 +43,7 @@ impl Observer for Digest {
             .for_each(|number| self.add(&number.to_bits().to_le_bytes()));
     }
 
-    fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+    fn ended(&mut self, episode: &Episode, _: &AfterEpisode<'_>) -> ControlFlow<()> {
         let figures = [
             episode.steps.into(),
             episode.collisions.into(),

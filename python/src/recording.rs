@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use xcscr::record::RecordMode;
 use xcscr::record::reader::Recording as Recorded;
 use xcscr::run::{
-    ExternalActions, ExternalEpisode, ExternalRecorder, RecordedRun, RepeatedRun, WheelSpeeds,
+    ExternalActions, ExternalEpisode, ExternalRecorder, RecordedRun, Repetition, WheelSpeeds,
 };
 
 use crate::plan::{Choice, invalid};
@@ -135,5 +135,5 @@ fn fault(file: &Path) -> Result<Option<String>, xcscr::Error> {
         return Ok(Some(fault));
     }
     let source = RecordedRun::of(file)?;
-    RepeatedRun::new(&source, &mut ())?.difference(&source)
+    Repetition::new(&source, &mut ())?.difference(&source)
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use xcscr::ErrorKind;
 use xcscr::disk;
 use xcscr::picture::Look;
-use xcscr::run::{RecordedRun, RepeatableRun, RunFolder};
+use xcscr::run::{RecordedRun, RunFolder, RunInputs};
 use xcscr::trial::Plan;
 
 use super::failure::Failure;
@@ -40,7 +40,7 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         true => Look::ActionValues,
         false => Look::Policy,
     };
-    let picture = RepeatableRun::training(plan).picture(args.episode.or(shown), look)?;
+    let picture = RunInputs::training(plan).picture(args.episode.or(shown), look)?;
     file.write(picture.svg().as_bytes())
 }
 

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use xcscr::episode::{Ending, Episode, Learned, Observer};
+use xcscr::episode::{AfterEpisode, Ending, Episode, Observer};
 
 /// The template during the first episode.
 const FIRST: &str = "{bar:14} episode {pos}/{len}";
@@ -44,7 +44,7 @@ fn style(template: &str) -> ProgressStyle {
 }
 
 impl Observer for Progress {
-    fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+    fn ended(&mut self, episode: &Episode, _: &AfterEpisode<'_>) -> ControlFlow<()> {
         if !std::mem::replace(&mut self.is_under_way, true) {
             self.bar.set_style(style(TEMPLATE));
         }

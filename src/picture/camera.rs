@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::policy_picture::{Look, Moment, PolicyPicture};
 use crate::arena::View;
-use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
+use crate::episode::{AfterEpisode, Ending, Episode, Observer, PolicyMap, Step};
 use crate::trial::{Judge, Plan};
 use crate::world::Cell;
 
@@ -80,11 +80,11 @@ impl Observer for Camera {
         self.visited.push(step.view.cell);
     }
 
-    fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
+    fn ended(&mut self, episode: &Episode, after: &AfterEpisode<'_>) -> ControlFlow<()> {
         if !self.looks_after(episode) {
             return ControlFlow::Continue(());
         }
-        let (method, sensor, maze) = (learned.method, learned.sensor, learned.view.maze);
+        let (method, sensor, maze) = (after.method, after.sensor, after.view.maze);
         let policy = PolicyMap::of(method, sensor, maze);
         let from = self.visited[0];
         self.moments.push(Moment {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::facts::run_info;
 use crate::agent::Knowledge;
-use crate::episode::{Episode, Learned, Observer};
+use crate::episode::{AfterEpisode, Episode, Observer};
 use crate::record::{RecordMode, Recorder, RunInfo, RunKind};
 use crate::trial::{Evaluation, Plan, PlanError};
 use crate::{Error, ErrorKind};
@@ -65,7 +65,7 @@ pub(super) fn record_drives(
 struct Until<'a>(&'a dyn Fn() -> bool);
 
 impl Observer for Until<'_> {
-    fn ended(&mut self, _: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+    fn ended(&mut self, _: &Episode, _: &AfterEpisode<'_>) -> ControlFlow<()> {
         match (self.0)() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),

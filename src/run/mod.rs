@@ -1,8 +1,8 @@
 //! A recorded, resumable run in a folder.
 //!
 //! [`Session`] trains, records into a [`RunFolder`], and resumes stopped runs. A [`RecordedRun`] is what
-//! a recording tells about its run. A [`RepeatableRun`] is what determines a run, and repeats it for an
-//! observer. A [`RepeatedRun`] is the same run, recorded again into a temporary folder, to compare the
+//! a recording tells about its run. A [`RunInputs`] is what determines a run, and repeats it for an
+//! observer. A [`Repetition`] is the same run, recorded again into a temporary folder, to compare the
 //! bytes. [`RunFolder::replay_page`] returns a page that plays it.
 //!
 //! # Example
@@ -28,10 +28,10 @@ mod folder;
 mod session;
 mod recorded_run;
 mod page;
-mod repeatable_run;
+mod run_inputs;
 mod unfinished;
 mod untouched;
-mod repeated_run;
+mod repetition;
 
 pub use evaluation::evaluate;
 pub(crate) use evaluation::observe;
@@ -39,6 +39,6 @@ pub use external::{ExternalActions, ExternalEpisode, ExternalRecorder, WheelSpee
 pub use folder::RunFolder;
 pub use page::page;
 pub use recorded_run::RecordedRun;
-pub use repeatable_run::RepeatableRun;
-pub use repeated_run::RepeatedRun;
+pub use repetition::Repetition;
+pub use run_inputs::RunInputs;
 pub use session::{Finished, Resumed, Session};

@@ -7,8 +7,8 @@ use tempfile::TempDir;
 use super::error;
 use super::evaluation::record_drives;
 use super::folder::RunFolder;
-use super::repeatable_run::RepeatableRun;
-use super::repeated_run::RepeatedRun;
+use super::repetition::Repetition;
+use super::run_inputs::RunInputs;
 use crate::agent::Knowledge;
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordingKind};
@@ -43,11 +43,7 @@ impl RunFolder {
 /// If the plan is invalid, or a temporary file cannot be written.
 pub fn page(plan: &Plan) -> Result<String, Error> {
     require_few_cells(plan)?;
-    let again = RepeatedRun::of(
-        RepeatableRun::training(plan.clone()),
-        RecordMode::All,
-        &mut (),
-    )?;
+    let again = Repetition::of(RunInputs::training(plan.clone()), RecordMode::All, &mut ())?;
     page_of(again.folder.path(), plan, &again.knowledge)
 }
 

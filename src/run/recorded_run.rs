@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use super::error;
 use super::external::{EXTERNAL_EPISODES, ExternalEpisode, METHOD};
-use super::repeatable_run::RepeatableRun;
+use super::run_inputs::RunInputs;
 use crate::Error;
 use crate::agent::Knowledge;
-use crate::episode::{Episode, Learned, Observer};
+use crate::episode::{AfterEpisode, Episode, Observer};
 use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordModeError, RecordingKind, RunKind};
 use crate::trial::Plan;
@@ -19,7 +19,7 @@ pub struct RecordedRun {
     /// The recording.
     pub file: PathBuf,
     /// What determines its episodes.
-    pub run: RepeatableRun,
+    pub run: RunInputs,
     /// The recording mode.
     pub mode: RecordMode,
     /// The kind of the recording.
@@ -57,7 +57,7 @@ impl RecordedRun {
                 return Err(error::recording(file, fault));
             }
         };
-        let run = RepeatableRun {
+        let run = RunInputs {
             plan: attached_plan(recording)?,
             external,
         };
@@ -108,7 +108,7 @@ impl RecordedRun {
 struct Last(Option<u32>);
 
 impl Observer for Last {
-    fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+    fn ended(&mut self, episode: &Episode, _: &AfterEpisode<'_>) -> ControlFlow<()> {
         match self.0 == Some(episode.episode) {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),

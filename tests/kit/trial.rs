@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use xcscr::agent::{Agent, Explorer, Method, Setup};
 use xcscr::arena::{Arena, ArenaKind, GridArena, PhysicsArena, PhysicsParams};
-use xcscr::episode::{self, Observer};
+use xcscr::episode::{self, Observer, Start};
 use xcscr::record::{RecordMode, RecordSummary, Recorder, RobotShape, RunInfo, RunKind};
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
@@ -91,10 +91,15 @@ impl Trial {
         };
         let exploration = Stream::new(self.seed, StreamName::Exploration);
         let mut explorer = Explorer::new(self.explore, exploration);
-        let (start, sensor) = (self.maze().start_cells()[0], Sensor::Neighbours);
-        for number in 1..=self.episodes {
+        let (cell, sensor) = (self.maze().start_cells()[0], Sensor::Neighbours);
+        for episode in 1..=self.episodes {
             let (arena, explorer) = (arena.as_mut(), &mut explorer);
-            let (_, flow) = episode::run(number, start, arena, sensor, method, explorer, observer);
+            let start = Start {
+                episode,
+                cell,
+                evolves: true,
+            };
+            let (_, flow) = episode::run(start, arena, sensor, method, explorer, observer);
             if flow == ControlFlow::Break(()) {
                 break;
             }

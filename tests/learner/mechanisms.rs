@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use xcscr::agent::Method;
 use xcscr::arena::{ArenaKind, Outcome};
-use xcscr::episode::{Episode, Learned, Observer, Step};
+use xcscr::episode::{AfterEpisode, Episode, Observer, Step};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Plan, Settings, Trial};
 use xcscr::world::Maze;
@@ -80,7 +80,7 @@ impl Observer for Contacts {
         }
     }
 
-    fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+    fn ended(&mut self, episode: &Episode, _: &AfterEpisode<'_>) -> ControlFlow<()> {
         self.imprinted += u32::from(episode.imprinted);
         ControlFlow::Continue(())
     }

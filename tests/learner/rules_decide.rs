@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use xcs::random::Stream;
 use xcs::{Action, Classifier, Condition, Params, Percept, Population};
 use xcscr::agent::{Agent, DecisionSource, Explorer, Frozen, Knowledge, Method};
-use xcscr::episode::{Episode, Learned as Episodes, Observer, Step};
+use xcscr::episode::{AfterEpisode, Episode, Observer, Step};
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
 use xcscr::trial::{Compacted, Plan, Trial};
@@ -29,7 +29,7 @@ impl Observer for Decisions {
         }
     }
 
-    fn ended(&mut self, episode: &Episode, _: &Episodes<'_>) -> ControlFlow<()> {
+    fn ended(&mut self, episode: &Episode, _: &AfterEpisode<'_>) -> ControlFlow<()> {
         self.most_rules = self.most_rules.max(episode.rules);
         ControlFlow::Continue(())
     }

@@ -9,7 +9,7 @@
 use std::ops::ControlFlow;
 
 use xcscr::agent::Method;
-use xcscr::episode::{Episode, Learned, Observer};
+use xcscr::episode::{AfterEpisode, Episode, Observer};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Settings, Trial};
 use xcscr::xcs::random::Stream;
@@ -79,7 +79,7 @@ fn the_6_multiplexer_is_learned_and_generalised() {
 struct Exploits(Vec<u32>);
 
 impl Observer for Exploits {
-    fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+    fn ended(&mut self, episode: &Episode, _: &AfterEpisode<'_>) -> ControlFlow<()> {
         if episode.explored == 0 {
             self.0.push(episode.steps);
         }

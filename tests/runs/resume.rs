@@ -13,7 +13,7 @@ use crate::kit::folder::{assert_same, names};
 use crate::kit::trial::on_the_grid;
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
-use xcscr::episode::{Episode, Learned, Observer};
+use xcscr::episode::{AfterEpisode, Episode, Observer};
 use xcscr::record::RecordMode;
 use xcscr::run::{Resumed, RunFolder, Session};
 use xcscr::trial::{Plan, Trial};
@@ -41,7 +41,7 @@ fn resumed(folder: &Path) -> Session {
 struct Until(u32);
 
 impl Observer for Until {
-    fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+    fn ended(&mut self, episode: &Episode, _: &AfterEpisode<'_>) -> ControlFlow<()> {
         match episode.episode < self.0 {
             true => ControlFlow::Continue(()),
             false => ControlFlow::Break(()),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use xcscr::ErrorKind;
 use xcscr::record::reader::Recording;
-use xcscr::run::{RecordedRun, RepeatedRun};
+use xcscr::run::{RecordedRun, Repetition};
 
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
@@ -23,7 +23,7 @@ struct Verified {
 /// Verifies all recordings. Recordings of the same run are compared with one repeated run.
 pub fn run(files: &[PathBuf], json: bool, out: &mut Results) -> Result<(), Failure> {
     let mut verified = Vec::new();
-    let mut again: Option<RepeatedRun> = None;
+    let mut again: Option<Repetition> = None;
     for file in files {
         let difference = match difference(file, &mut again) {
             Ok(difference) => difference,
@@ -42,14 +42,14 @@ pub fn run(files: &[PathBuf], json: bool, out: &mut Results) -> Result<(), Failu
 
 /// Returns the first difference between a recording and a repeated run. `again` caches the last
 /// repeated run.
-fn difference(file: &Path, again: &mut Option<RepeatedRun>) -> Result<Option<String>, Failure> {
+fn difference(file: &Path, again: &mut Option<Repetition>) -> Result<Option<String>, Failure> {
     let recording = Recording::open(file)?;
     let source = RecordedRun::of_recording(&recording)?;
     let run = match again.take().filter(|run| run.serves(&source)) {
         Some(run) => run,
         None => {
             let episodes = source.run.plan.config.episodes;
-            RepeatedRun::new(&source, &mut Progress::of(episodes, false))?
+            Repetition::new(&source, &mut Progress::of(episodes, false))?
         }
     };
     Ok(again.insert(run).difference(&source)?)

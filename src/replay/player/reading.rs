@@ -8,7 +8,7 @@ use super::world::World;
 use crate::Error;
 use crate::picture::css;
 use crate::record::colours::{ABOVE, BELOW, NO_GOAL, SCALE};
-use crate::record::event::{Begin, Contact, Curve, Decision, End, Learned, Outcome, Perceived};
+use crate::record::event::{Begin, Contact, Curve, Decision, End, Learned, Perceived, StepOutcome};
 use crate::record::info::{self, RADIUS, RunKind};
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::{decimal, decoded, percept};
@@ -194,7 +194,7 @@ impl Reader {
 
     /// Adds a step. In recordings of whole runs, which have no poses and decisions, steps replace
     /// both.
-    fn step(&mut self, t: f64, step: Outcome) {
+    fn step(&mut self, t: f64, step: StepOutcome) {
         let (col, row) = (step.col, step.row);
         let at = self.maze.centre_m(Cell { col, row });
         self.cells.push([t, at.x, at.y, 0.0]);

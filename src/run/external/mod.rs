@@ -18,7 +18,7 @@ use super::facts::run_info;
 use crate::Error;
 use crate::agent::{Explorer, Knowledge};
 use crate::arena::{Arena, ArenaKind, Robot, Sample, WheelDrive};
-use crate::episode;
+use crate::episode::{self, Start};
 use crate::record::{RecordMode, RecordSummary, Recorder, RunInfo, RunKind};
 use crate::streams::StreamName;
 use crate::trial::Plan;
@@ -159,9 +159,13 @@ impl ExternalRecorder {
         let mut explorer = Explorer::new(0.0, Stream::new(0, StreamName::Exploration));
         let mut script = Script::new(&episode, maze.action_count());
         let (col, row) = episode.start;
+        let start = Start {
+            episode: u32::try_from(number).unwrap_or(u32::MAX),
+            cell: Cell { col, row },
+            evolves: false,
+        };
         let (done, flow) = episode::run(
-            u32::try_from(number).unwrap_or(u32::MAX),
-            Cell { col, row },
+            start,
             &mut *arena,
             self.plan.config.sensor,
             &mut script,

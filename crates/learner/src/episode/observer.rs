@@ -102,9 +102,9 @@ pub trait Observer {
         let _ = step;
     }
 
-    /// Called when the episode is over and learned. [`ControlFlow::Break`] ends the trial.
-    fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
-        let _ = (episode, learned);
+    /// Called when the episode is over and credited. [`ControlFlow::Break`] ends the trial.
+    fn ended(&mut self, episode: &Episode, after: &AfterEpisode<'_>) -> ControlFlow<()> {
+        let _ = (episode, after);
         ControlFlow::Continue(())
     }
 }
@@ -121,8 +121,8 @@ impl<O: Observer + ?Sized> Observer for &mut O {
         (**self).stepped(step);
     }
 
-    fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
-        (**self).ended(episode, learned)
+    fn ended(&mut self, episode: &Episode, after: &AfterEpisode<'_>) -> ControlFlow<()> {
+        (**self).ended(episode, after)
     }
 }
 
@@ -138,9 +138,9 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
         self.1.stepped(step);
     }
 
-    fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
-        let first = self.0.ended(episode, learned);
-        let second = self.1.ended(episode, learned);
+    fn ended(&mut self, episode: &Episode, after: &AfterEpisode<'_>) -> ControlFlow<()> {
+        let first = self.0.ended(episode, after);
+        let second = self.1.ended(episode, after);
         first?;
         second
     }
@@ -148,7 +148,7 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
 
 /// The learner and the robot at the end of an episode.
 #[derive(Clone, Copy)]
-pub struct Learned<'a> {
+pub struct AfterEpisode<'a> {
     /// The learner.
     pub method: &'a dyn Agent,
     /// The sensor of the robot.

@@ -2,25 +2,36 @@
 
 use std::ops::ControlFlow;
 
-use super::observer::{Ending, Episode, Learned, Observer, Step};
+use super::observer::{AfterEpisode, Ending, Episode, Observer, Step};
 use crate::agent::{Agent, Chosen, Explorer};
 use xcscr_robot::arena::{Arena, Outcome};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::Cell;
 
-/// Runs episode number `number` from `start`: sense, observe, choose, act, update. Ends at a goal
+/// How an episode starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start {
+    /// The number of the episode, from 1.
+    pub episode: u32,
+    /// The cell of the robot.
+    pub cell: Cell,
+    /// True if the GA may discover rules.
+    pub evolves: bool,
+}
+
+/// Runs an episode: begin, and then for each step perceive, observe, choose, act, update. Ends at a goal
 /// or at the step-threshold, and then credits the end.
 pub fn run(
-    number: u32,
-    start: Cell,
+    start: Start,
     arena: &mut dyn Arena,
     sensor: Sensor,
     method: &mut dyn Agent,
     explorer: &mut Explorer,
     observer: &mut dyn Observer,
 ) -> (Episode, ControlFlow<()>) {
-    arena.reset(start);
-    observer.began(number, &arena.view());
+    method.begin_episode(start.evolves);
+    arena.reset(start.cell);
+    observer.began(start.episode, &arena.view());
     let mut totals = Totals::default();
     let mut percept = sensor.perceive(&arena.view());
     let ending = loop {
@@ -35,7 +46,7 @@ pub fn run(
         let view = arena.view();
         let step = totals.steps + 1;
         let step = Step {
-            episode: number,
+            episode: start.episode,
             step,
             cell,
             percept,
@@ -60,7 +71,7 @@ pub fn run(
     };
     let end = method.end_episode(ending == Ending::Goal);
     let episode = Episode {
-        episode: number,
+        episode: start.episode,
         ending,
         steps: totals.steps,
         collisions: totals.collisions,
@@ -73,12 +84,12 @@ pub fn run(
         imprinted: end.imprinted,
         rules: method.rule_count(),
     };
-    let learned = Learned {
+    let after = AfterEpisode {
         method,
         sensor,
         view: arena.view(),
     };
-    let flow = observer.ended(&episode, &learned);
+    let flow = observer.ended(&episode, &after);
     (episode, flow)
 }
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Trial;
 use super::plan::{Plan, PlanError};
 use crate::agent::{Explorer, Knowledge};
-use crate::episode::{self, BestChoices, Ending, Observer};
+use crate::episode::{self, BestChoices, Ending, Observer, Start};
 use xcs::random::Stream;
 use xcscr_robot::arena::Arena;
 use xcscr_robot::streams::StreamName;
@@ -158,10 +158,14 @@ impl GreedySums {
         let paths = Paths::with_slip(maze, config.settings.arena.slip);
         let mut greedy = Explorer::new(0.0, Stream::new(config.seed, StreamName::Exploration));
         let mut sums = Self::default();
-        for (number, start) in (1..).zip(starts) {
+        for (episode, cell) in (1..).zip(starts) {
             let mut choices = BestChoices::by(&paths);
+            let start = Start {
+                episode,
+                cell,
+                evolves: false,
+            };
             let (episode, flow) = episode::run(
-                number,
                 start,
                 arena,
                 config.sensor,
@@ -170,7 +174,7 @@ impl GreedySums {
                 &mut (&mut choices, &mut *observer),
             );
             sums.add(&episode, choices.is_optimal(&episode));
-            sums.expected += paths.expected_steps(maze, start).unwrap_or(0.0);
+            sums.expected += paths.expected_steps(maze, cell).unwrap_or(0.0);
             if flow.is_break() {
                 break;
             }
@@ -206,7 +210,7 @@ mod tests {
         fn ended(
             &mut self,
             episode: &episode::Episode,
-            _: &episode::Learned<'_>,
+            _: &episode::AfterEpisode<'_>,
         ) -> ControlFlow<()> {
             match episode.episode < 3 {
                 true => ControlFlow::Continue(()),

@@ -36,7 +36,7 @@ pub use warning::Warning;
 pub use why::{Change, WeightedRule, Why};
 
 use crate::agent::{Agent, Chosen, Explorer};
-use crate::episode::{self, BestChoices, Episode, Mistakes, Observer, PolicyMap, Watch};
+use crate::episode::{self, BestChoices, Episode, Mistakes, Observer, PolicyMap, Start, Watch};
 use xcs::random::Stream;
 use xcscr_robot::arena::Arena;
 use xcscr_robot::streams::StreamName;
@@ -165,12 +165,9 @@ impl Trial {
     /// Runs the next episode. `Break` means that the observer wants the trial to end.
     pub fn run_episode(&mut self, observer: &mut dyn Observer) -> (Episode, ControlFlow<()>) {
         let start = self.next_start();
-        let number = self.progress.episodes + 1;
-        self.take_turns(number);
         let mut choices = BestChoices::by(self.judge.paths());
         let mut watch = Watch::new(self.plan.config.sensor);
         let (episode, flow) = episode::run(
-            number,
             start,
             &mut *self.arena,
             self.plan.config.sensor,
@@ -192,23 +189,24 @@ impl Trial {
         ControlFlow::Continue(())
     }
 
-    /// Sets up exploration: alternating episodes explore (and evolve) or exploit; all others do
-    /// both.
-    fn take_turns(&mut self, number: u32) {
+    /// Sets up exploration, and returns how the next episode starts. Alternating episodes explore (and evolve) or
+    /// exploit; all others do both.
+    fn next_start(&mut self) -> Start {
+        let episode = self.progress.episodes + 1;
         let settings = &self.plan.config.settings.episode;
-        let turn = settings.turn_of(number);
+        let turn = settings.turn_of(episode);
         let explore = turn.map_or(settings.explore, |explores| f64::from(u8::from(explores)));
         self.explorer.set_probability(explore);
-        self.method.begin_episode(turn.unwrap_or(true));
-    }
-
-    fn next_start(&mut self) -> Cell {
         let number = match self.start_cells.count() {
             1 => 0,
             count => self.starts.below(count),
         };
-        let start = self.start_cells.nth(&self.plan.maze, number);
-        start.expect("a checked maze has a start cell")
+        let cell = self.start_cells.nth(&self.plan.maze, number);
+        Start {
+            episode,
+            cell: cell.expect("a checked maze has a start cell"),
+            evolves: turn.unwrap_or(true),
+        }
     }
 
     fn count(&mut self, episode: &Episode, was_optimal: bool) {

@@ -17,7 +17,7 @@ pub use decision::{Decision, Perceived};
 pub use episode::{Begin, End, Outlook};
 pub use learned::Learned;
 pub use localisation::Localisation;
-pub use outcome::Outcome;
+pub use outcome::StepOutcome;
 pub use pose::Pose;
 
 use std::borrow::Cow;
@@ -41,7 +41,7 @@ pub enum Event {
     /// The robot chooses an action.
     Decision(Decision),
     /// The outcome of the action is known.
-    Outcome(Outcome),
+    Outcome(StepOutcome),
     /// The robot is somewhere.
     Pose(Pose),
     /// The error of the estimated pose is known.

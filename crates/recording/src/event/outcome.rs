@@ -9,7 +9,7 @@ use xcscr_robot::arena;
 
 /// The percept, the decision and the outcome of a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Outcome {
+pub struct StepOutcome {
     /// Number of the episode, from 1.
     pub episode: u32,
     /// Number of the step, from 1 in each episode.
@@ -48,7 +48,7 @@ pub struct Outcome {
     pub action_set: u32,
 }
 
-impl Outcome {
+impl StepOutcome {
     /// Creates the event of a step.
     pub fn of(step: &Step<'_>) -> Self {
         Self {

@@ -36,7 +36,7 @@ pub enum Topic {
     /// `/tf`: the frames of the robot.
     Transforms,
     /// `/tf_static`: the frame of the grid, once.
-    Grid,
+    GridFrame,
     /// `/ground_truth`: the true pose and speeds.
     GroundTruth,
     /// `/estimate`: the estimated pose and its covariance, if the robot estimates its pose.
@@ -114,7 +114,7 @@ impl Topic {
         use Kind::Fact;
         match self {
             Self::Transforms => ("/tf", Scope::Episode, Kind::Frames),
-            Self::Grid => ("/tf_static", Scope::Both, Kind::Frames),
+            Self::GridFrame => ("/tf_static", Scope::Both, Kind::Frames),
             Self::GroundTruth => ("/ground_truth", Scope::Episode, Kind::Odometry),
             Self::Estimate => ("/estimate", Scope::Sensed, Kind::Odometry),
             Self::Maze => ("/scene/maze", Scope::Both, Kind::Scene),
@@ -130,7 +130,7 @@ impl Topic {
             Self::Step => (
                 "/step",
                 Scope::Both,
-                Fact("xcscr.Step", schema::<event::Outcome>),
+                Fact("xcscr.Step", schema::<event::StepOutcome>),
             ),
             Self::Begin => (
                 "/begin",

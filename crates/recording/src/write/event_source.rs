@@ -3,7 +3,7 @@
 use super::odometry::Odometry;
 use super::trajectory::Trajectory;
 use crate::event::{
-    Begin, Contact, Curve, Decision, End, Event, Learned, Localisation, Outcome, Outlook,
+    Begin, Contact, Curve, Decision, End, Event, Learned, Localisation, Outlook, StepOutcome,
 };
 use crate::info::RunInfo;
 use crate::topics::{log, policy, scan};
@@ -100,7 +100,7 @@ impl EventSource {
         let decision = Decision::of(step, self.sensor, self.goal);
         let mut events = vec![(self.decided_ns, Event::Decision(decision))];
         events.extend(self.moved(step));
-        let mut ends = vec![Event::Outcome(Outcome::of(step))];
+        let mut ends = vec![Event::Outcome(StepOutcome::of(step))];
         ends.extend(localisation(step.episode, step.step, &step.view));
         if step.view.contacts.is_empty() {
             ends.extend(log::collision(step, end_ns).map(Event::Log));
@@ -116,13 +116,13 @@ impl EventSource {
     }
 
     /// Returns the end of an episode, after learning.
-    pub fn ended(&mut self, episode: &Episode, learned: &episode::Learned<'_>) -> Vec<Timed> {
-        let maze = learned.view.maze;
-        let time_ns = learned.view.now().time_ns;
-        let policy = PolicyMap::of(learned.method, learned.sensor, maze);
-        let outlook = self.outlook(&policy, learned);
+    pub fn ended(&mut self, episode: &Episode, after: &episode::AfterEpisode<'_>) -> Vec<Timed> {
+        let maze = after.view.maze;
+        let time_ns = after.view.now().time_ns;
+        let policy = PolicyMap::of(after.method, after.sensor, maze);
+        let outlook = self.outlook(&policy, after);
         self.learned = Learned::of(&policy, maze);
-        let end = End::of(episode, &learned.method.knowledge(), &outlook);
+        let end = End::of(episode, &after.method.knowledge(), &outlook);
         self.curve.push(&end);
         let mut events = vec![
             Event::Learned(self.learned.clone()),
@@ -139,8 +139,8 @@ impl EventSource {
     }
 
     /// Evaluates the policy.
-    fn outlook(&mut self, policy: &PolicyMap, learned: &episode::Learned<'_>) -> Outlook {
-        let episode::Learned { method, view, .. } = *learned;
+    fn outlook(&mut self, policy: &PolicyMap, after: &episode::AfterEpisode<'_>) -> Outlook {
+        let episode::AfterEpisode { method, view, .. } = *after;
         let (maze, judge) = (view.maze, &mut self.judge);
         let values = self.start.and_then(|cell| policy.values(cell).copied());
         let path = |cell| policy.greedy_path(maze, cell);

@@ -15,7 +15,7 @@ use crate::layout;
 use crate::mode::RecordMode;
 use crate::topics::Topic;
 use xcscr_learner::agent::Agent;
-use xcscr_learner::episode::{Episode, Learned, Observer, Step};
+use xcscr_learner::episode::{AfterEpisode, Episode, Observer, Step};
 use xcscr_robot::arena::View;
 use xcscr_robot::world::Maze;
 
@@ -241,9 +241,9 @@ impl Recorder {
         self.write(&events)
     }
 
-    fn end(&mut self, episode: &Episode, learned: &Learned<'_>) -> Result<(), Error> {
-        self.clock_ns = learned.view.now().time_ns;
-        let events = self.events.ended(episode, learned);
+    fn end(&mut self, episode: &Episode, after: &AfterEpisode<'_>) -> Result<(), Error> {
+        self.clock_ns = after.view.now().time_ns;
+        let events = self.events.ended(episode, after);
         self.write(&events)?;
         if let Some(stream) = self.episode.take() {
             let (_, bytes) = stream.into_file().finish()?;
@@ -279,8 +279,8 @@ impl Observer for Recorder {
         self.attempt(|recorder| recorder.step(step));
     }
 
-    fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
-        self.attempt(|recorder| recorder.end(episode, learned));
+    fn ended(&mut self, episode: &Episode, after: &AfterEpisode<'_>) -> ControlFlow<()> {
+        self.attempt(|recorder| recorder.end(episode, after));
         match self.error {
             Some(_) => ControlFlow::Break(()),
             None => ControlFlow::Continue(()),

@@ -6,7 +6,7 @@ use foxglove::messages::SceneEntity;
 
 use super::file::File;
 use crate::error::Error;
-use crate::event::{Begin, Decision, Event, Learned, Outcome, Pose};
+use crate::event::{Begin, Decision, Event, Learned, Pose, StepOutcome};
 use crate::info::{RecordingKind, RobotShape, RunInfo, RunKind};
 use crate::topics::caption::Caption;
 use crate::topics::trail::Trail;
@@ -170,7 +170,7 @@ impl Stream {
             return Ok(());
         }
         let (file, Scenery { maze, robot, .. }) = (&mut self.file, &*self.scenery);
-        file.message(Topic::Grid, time_ns, &transforms::fixed(maze, time_ns))?;
+        file.message(Topic::GridFrame, time_ns, &transforms::fixed(maze, time_ns))?;
         file.message(Topic::Maze, time_ns, &maze::scene(maze, time_ns))?;
         match self.is_episode {
             true => file.message(Topic::Robot, time_ns, &robot::scene(robot, time_ns)),
@@ -187,7 +187,7 @@ impl Stream {
         self.show_percept(time_ns)
     }
 
-    fn outcome(&mut self, time_ns: u64, outcome: &Outcome) -> Result<(), Error> {
+    fn outcome(&mut self, time_ns: u64, outcome: &StepOutcome) -> Result<(), Error> {
         self.file.fact(Topic::Step, time_ns, outcome)?;
         match self.trail.is_due(time_ns) && self.is_episode {
             true => self.show_trail(time_ns),

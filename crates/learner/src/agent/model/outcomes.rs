@@ -8,7 +8,7 @@ use xcs::random::Stream;
 
 /// An outcome of a pair: the reward, the number of the next percept (`None` at a goal), and its count.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome {
+pub struct Successor {
     pub reward: f64,
     pub next: Option<usize>,
     pub count: u32,
@@ -20,7 +20,7 @@ const MANY: u32 = 20;
 /// All outcomes of one pair.
 #[derive(Debug, Clone, Default)]
 pub struct Outcomes {
-    all: Vec<Outcome>,
+    all: Vec<Successor>,
     pub(super) leads_to: Leads,
 }
 
@@ -37,8 +37,8 @@ pub(super) enum Leads {
 
 /// Returns the mean of `value` over outcomes, weighted by frequency; 0 for none.
 pub fn mean<'a>(
-    outcomes: impl IntoIterator<Item = &'a Outcome>,
-    value: impl Fn(&Outcome) -> f64,
+    outcomes: impl IntoIterator<Item = &'a Successor>,
+    value: impl Fn(&Successor) -> f64,
 ) -> f64 {
     let (mut sum, mut tries) = (0.0, 0);
     for outcome in outcomes {
@@ -55,12 +55,12 @@ impl Outcomes {
     }
 
     /// Returns the mean of `value` over all outcomes, weighted by frequency; 0 for an untried pair.
-    pub fn mean(&self, value: impl Fn(&Outcome) -> f64) -> f64 {
+    pub fn mean(&self, value: impl Fn(&Successor) -> f64) -> f64 {
         mean(&self.all, value)
     }
 
     /// Returns all outcomes in the order of their first appearance.
-    pub fn all(&self) -> &[Outcome] {
+    pub fn all(&self) -> &[Successor] {
         &self.all
     }
 
@@ -131,7 +131,7 @@ impl Outcomes {
     /// Adds this pair's evidence of slips. `percept` is the pair's percept. A collision costs more than a
     /// `step`.
     pub(super) fn add_evidence(&self, percept: usize, step: f64, evidence: &mut Evidence) {
-        let bumps = |o: &&Outcome| o.next == Some(percept) && o.reward < step;
+        let bumps = |o: &&Successor| o.next == Some(percept) && o.reward < step;
         let bumped: u32 = self.all.iter().filter(bumps).map(|o| o.count).sum();
         let tries = self.tries();
         evidence.all += tries;
@@ -171,7 +171,7 @@ impl Outcomes {
             outcome.count += 1;
             return self.all.len() > 1;
         }
-        self.all.push(Outcome {
+        self.all.push(Successor {
             reward,
             next,
             count: 1,
@@ -180,9 +180,9 @@ impl Outcomes {
     }
 
     /// Draws an outcome by frequency.
-    pub(super) fn draw(&self, stream: &mut Stream) -> Option<Outcome> {
+    pub(super) fn draw(&self, stream: &mut Stream) -> Option<Successor> {
         let mut left = stream.below(self.tries().max(1) as usize);
-        let stops = |outcome: &&Outcome| {
+        let stops = |outcome: &&Successor| {
             let found = left < outcome.count as usize;
             left = left.saturating_sub(outcome.count as usize);
             found

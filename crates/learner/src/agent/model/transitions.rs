@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::agent::model::outcomes::{Leads, Outcome, Outcomes, mean};
+use crate::agent::model::outcomes::{Leads, Outcomes, Successor, mean};
 use crate::agent::model::slips::{Evidence, Slips};
 use xcs::random::Stream;
 use xcs::{Action, ByAction, MAX_ACTIONS, Percept};
@@ -154,7 +154,7 @@ impl Transitions {
     }
 
     /// Returns the mean of `value` over the outcomes of a pair, without slips.
-    pub fn mean(&self, percept: usize, action: Action, value: impl Fn(&Outcome) -> f64) -> f64 {
+    pub fn mean(&self, percept: usize, action: Action, value: impl Fn(&Successor) -> f64) -> f64 {
         let outcomes = self.outcomes(percept, action);
         match outcomes.leads_to {
             Leads::To(next) => mean(outcomes.all().iter().filter(|o| o.next == next), value),
@@ -180,7 +180,7 @@ impl Transitions {
     /// Draws a transition: a uniformly random tried pair, and one of its outcomes by frequency.
     pub fn recall(&self, stream: &mut Stream) -> Option<Transition> {
         let &(percept, action) = stream.choose(&self.tried)?;
-        let Outcome { reward, next, .. } = self.outcomes(percept, action).draw(stream)?;
+        let Successor { reward, next, .. } = self.outcomes(percept, action).draw(stream)?;
         Some(Transition {
             percept: self.percepts[percept],
             action,

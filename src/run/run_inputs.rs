@@ -13,14 +13,14 @@ use crate::trial::{Plan, Trial};
 
 /// What determines the episodes of a run: a training, or the episodes of an external agent.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RepeatableRun {
+pub struct RunInputs {
     /// The plan.
     pub plan: Plan,
     /// The episodes, if an external agent chose the actions.
     pub external: Option<Vec<ExternalEpisode>>,
 }
 
-impl RepeatableRun {
+impl RunInputs {
     /// Returns the training of a plan.
     pub fn training(plan: Plan) -> Self {
         Self {

@@ -7,22 +7,22 @@ use tempfile::TempDir;
 
 use super::error;
 use super::recorded_run::RecordedRun;
-use super::repeatable_run::RepeatableRun;
+use super::run_inputs::RunInputs;
 use crate::Error;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::record::{self, RecordMode};
 
 /// A repeated run in a temporary folder, which is deleted with this value.
-pub struct RepeatedRun {
-    pub(super) run: RepeatableRun,
+pub struct Repetition {
+    pub(super) run: RunInputs,
     mode: RecordMode,
     /// The learned knowledge at the end.
     pub(super) knowledge: Knowledge,
     pub(super) folder: TempDir,
 }
 
-impl RepeatedRun {
+impl Repetition {
     /// Repeats the run of a recording, while `observer` watches.
     ///
     /// # Errors
@@ -33,7 +33,7 @@ impl RepeatedRun {
 
     /// Repeats and records a run.
     pub(super) fn of(
-        run: RepeatableRun,
+        run: RunInputs,
         mode: RecordMode,
         observer: &mut dyn Observer,
     ) -> Result<Self, Error> {
