@@ -62,8 +62,8 @@ settings! {
         population_size: u32 = 1600, in 32..=GREATEST_POPULATION;
         /// P#: the probability of a don't-care in covering.
         dont_care: f64 = 0.3, in 0.0..=1.0;
-        /// beta: the learning rate. With learning-rate switching, it has no effect: `reward.beta_success`,
-        /// `reward.beta_failure` and `reward.beta_collision` replace it.
+        /// beta: the learning rate. With learning-rate switching, `reward.beta_success`, `reward.beta_failure` and
+        /// `reward.beta_collision` replace it.
         beta: f64 = 0.2, in 1e-6..=1.0;
         /// alpha: the drop in accuracy at the error threshold.
         alpha: f64 = 0.1, in 0.0..=1.0;
