@@ -12,7 +12,6 @@
 mod kit;
 
 mod golden;
-mod language;
 mod learner;
 mod recordings;
 mod runs;
