@@ -14,14 +14,11 @@ use super::timeline::Timeline;
 use super::watch::{Watch, Watched};
 use super::wheels::WheelWatch;
 use crate::agent::{Agent, Explorer, Frozen};
-use crate::arena::{Pilot, Speeds};
+use crate::arena::{Measured, Now, Pilot, Speeds};
 use crate::streams::StreamName;
 use crate::world::Maze;
 use xcs::Action;
 use xcs::random::Stream;
-
-/// The number of lidar turns before the first decision.
-const TURNS_BEFORE_START: f64 = 2.0;
 
 /// A step of the onboard computer.
 #[derive(Debug)]
@@ -49,9 +46,6 @@ pub struct Driver {
     policy: Frozen,
     greedy: Explorer,
     phase: Phase,
-    /// The start and the end of the phase, in nanoseconds of the robot's clock.
-    since_ns: u64,
-    until_ns: u64,
     decisions: u32,
     action: Option<Action>,
     has_scan: bool,
@@ -84,8 +78,6 @@ impl Driver {
             .with_detours(setup.sensor, maze),
             greedy: Explorer::new(0.0, Stream::new(setup.seed, StreamName::Exploration)),
             phase: Phase::Waiting,
-            since_ns: 0,
-            until_ns: 0,
             decisions: 0,
             action: None,
             has_scan: false,
@@ -192,16 +184,15 @@ impl Driver {
             && let Some(readings) = self.timeline.next_step()
         {
             let before = self.pilot.estimate().0;
-            if let Some(pose) = self.told_at(self.timeline.time_ns()) {
-                self.pilot.tell(pose);
-            }
-            self.pilot.sense(&StepOfSensors {
+            let told = self.told_at(self.timeline.time_ns());
+            self.pilot.sense(&Measured::Sensors(StepOfSensors {
                 rolled_m: readings.rolled_m,
                 turned_rad: readings.turned_rad,
+                told,
                 bumped: [false; 2],
                 over_marker: false,
                 beams: &readings.beams,
-            });
+            }));
             let (pose, covariance) = self.pilot.estimate();
             let moved = before.inverse() * pose;
             let (maze, range_m) = (&self.setup.maze, self.setup.physics.lidar.range_m);
@@ -235,9 +226,7 @@ impl Driver {
         };
         self.timeline.begin(time_ns);
         let tolerance = self.setup.start_tolerance;
-        self.pilot.put_down_within(start, tolerance);
-        let turns_s = TURNS_BEFORE_START / self.setup.physics.lidar.rate_hz;
-        self.until_ns = time_ns + (1e9 * turns_s) as u64;
+        self.pilot.put_down(start, tolerance, time_ns);
         self.phase = Phase::LookingRound;
     }
 
@@ -254,7 +243,7 @@ impl Driver {
     fn pose(&self) -> Option<Isometry2<f64>> {
         match self.phase {
             Phase::Waiting => self.start(),
-            _ => self.now().map(|(pose, ..)| pose),
+            _ => self.now().map(|now| now.pose),
         }
     }
 
@@ -265,54 +254,54 @@ impl Driver {
         Some(grid.unwrap_or_else(Isometry2::identity).inverse() * in_map)
     }
 
-    /// Returns the current pose in the grid frame, the speeds, and the time of the newest odometry.
-    fn now(&self) -> Option<(Isometry2<f64>, Speeds, u64)> {
+    /// Returns the current pose and speeds, at the time of the newest odometry.
+    fn now(&self) -> Option<Now> {
         let (time_ns, _, speeds) = self.timeline.latest()?;
         let pose = self.pilot.estimate().0 * self.timeline.since()?;
-        Some((pose, speeds, time_ns))
+        Some(Now {
+            pose,
+            speeds,
+            time_ns,
+        })
     }
 
     fn belief(&self) -> Option<Belief> {
         if self.phase == Phase::Waiting {
             return None;
         }
-        let (in_grid, _, stamp_ns) = self.now()?;
+        let now = self.now()?;
         let maze = &self.setup.maze;
-        let robot_in_map = maze.pose_in_map(in_grid);
+        let robot_in_map = maze.pose_in_map(now.pose);
         let (_, robot_in_odom, _) = self.timeline.latest()?;
         Some(Belief {
-            stamp_ns,
+            stamp_ns: now.time_ns,
             robot_in_map,
             covariance: maze.covariance_in_map(self.pilot.estimate().1),
             odom_in_map: robot_in_map * robot_in_odom.inverse(),
-            cell: maze.cell_in_grid(in_grid.translation.vector.into()),
+            cell: maze.cell_in_grid(now.pose.translation.vector.into()),
             is_own: self.setup.source == PoseSource::Own,
         })
     }
 
     /// Advances the state machine. Called only without faults.
     fn advance(&mut self, step: &mut DriverStep) {
-        let Some((pose, speeds, time_ns)) = self.now() else {
+        let Some(now) = self.now() else {
             return;
         };
-        let has_seen = self.timeline.time_ns() + super::timeline::STEP_NS > self.until_ns;
         match self.phase {
-            Phase::LookingRound if has_seen => self.decide(step),
-            Phase::Settling if has_seen => self.end_action(step),
-            Phase::Driving => step.command = self.drive(pose, speeds, time_ns),
+            Phase::LookingRound if self.pilot.has_seen() => self.decide(now, step),
+            Phase::Settling if self.pilot.has_seen() => self.end_action(now, step),
+            Phase::Driving => step.command = self.drive(now),
             Phase::Waiting
             | Phase::LookingRound
             | Phase::Settling
             | Phase::AtGoal
             | Phase::OutOfSteps => {}
         }
-        if step.decision.is_some() {
-            step.command = self.drive(pose, speeds, time_ns);
-        }
     }
 
     /// Perceives, chooses an action, and starts to drive.
-    fn decide(&mut self, step: &mut DriverStep) {
+    fn decide(&mut self, now: Now, step: &mut DriverStep) {
         let maze = &self.setup.maze;
         let perceived = self.pilot.percept(maze, self.setup.sensor);
         let (Some(percept), Some(cell)) = (perceived, self.pilot.cell(maze)) else {
@@ -321,17 +310,16 @@ impl Driver {
         let values = self.policy.observe(&percept);
         let choice = self.policy.choose(&values, &mut self.greedy);
         let action = choice.action;
-        let (Some(direction), Some((pose, speeds, time_ns))) = (maze.direction(action), self.now())
-        else {
+        let Some(direction) = maze.direction(action) else {
             return;
         };
         self.decisions += 1;
-        self.pilot.begin(direction, pose, speeds);
-        (self.phase, self.since_ns) = (Phase::Driving, time_ns);
+        step.command = self.pilot.begin(direction, now).unwrap_or(Speeds::REST);
+        self.phase = Phase::Driving;
         self.action = Some(action);
         step.decision = Some(Decision {
             number: self.decisions,
-            stamp_ns: time_ns,
+            stamp_ns: now.time_ns,
             cell,
             percept,
             values,
@@ -346,23 +334,18 @@ impl Driver {
 
     /// Returns the speeds of the current manoeuvre; rest once it is over. In front of an obstacle the
     /// robot drives back, and rests if there is one behind it, too.
-    fn drive(&mut self, pose: Isometry2<f64>, speeds: Speeds, time_ns: u64) -> Speeds {
-        let is_blocked = self.is_blocked(pose, speeds);
-        let is_enclosed = is_blocked && self.pilot.backs_off();
-        if is_blocked {
-            self.pilot.back_off();
-        }
-        let passed_ns = time_ns.saturating_sub(self.since_ns);
-        let command = self.pilot.command(pose, speeds, passed_ns);
+    fn drive(&mut self, now: Now) -> Speeds {
+        let is_enclosed = self.is_blocked(now) && !self.pilot.back_off();
+        let command = self.pilot.command(now);
         if command.is_none() {
-            (self.phase, self.until_ns) = (Phase::Settling, time_ns);
+            self.phase = Phase::Settling;
         }
         command.filter(|_| !is_enclosed).unwrap_or(Speeds::REST)
     }
 
     /// Returns true if the robot must brake for an obstacle on its path.
-    fn is_blocked(&self, pose: Isometry2<f64>, speeds: Speeds) -> bool {
-        let path = self.pilot.path(pose).zip(self.timeline.latest());
+    fn is_blocked(&self, now: Now) -> bool {
+        let path = self.pilot.path(&now).zip(self.timeline.latest());
         path.is_some_and(|((direction, left_m), (_, in_odom, _))| {
             let physics = &self.setup.physics;
             let braking = Braking {
@@ -370,15 +353,15 @@ impl Driver {
                 deceleration_mps2: physics.deceleration_mps2,
                 margin_m: physics.arrival_m,
             };
-            let along = pose.rotation.inverse() * direction;
-            let forward_mps = speeds.forward_mps;
+            let along = now.pose.rotation.inverse() * direction;
+            let forward_mps = now.speeds.forward_mps;
             self.obstacles
                 .is_in_the_path(&in_odom, (along, left_m), forward_mps, braking)
         })
     }
 
     /// Determines the outcome of the action, and decides again unless the drive is over.
-    fn end_action(&mut self, step: &mut DriverStep) {
+    fn end_action(&mut self, now: Now, step: &mut DriverStep) {
         let is_goal = |cell| self.setup.maze.is_goal(cell);
         let at_goal = self.pilot.cell(&self.setup.maze).is_some_and(is_goal);
         let outcome = self.pilot.end(at_goal);
@@ -391,7 +374,7 @@ impl Driver {
         } else if self.decisions >= self.setup.step_threshold {
             self.phase = Phase::OutOfSteps;
         } else {
-            self.decide(step);
+            self.decide(now, step);
         }
     }
 }

@@ -1,11 +1,11 @@
 //! The simulated robot as seen from outside: commands in, odometry, gyro and scans out.
 
 use nalgebra::Isometry2;
+use xcscr_sensing::STEP_NS;
 
 use super::readings::{Imu, Odometry, Scan};
 use super::setup::in_grid;
-use super::timeline::STEP_NS;
-use crate::arena::{PhysicsError, PhysicsParams, Robot, Speeds};
+use crate::arena::{Localisation, PhysicsError, PhysicsParams, Robot, Speeds};
 use crate::record::rolled;
 use crate::world::Maze;
 
@@ -54,7 +54,11 @@ impl SimulatedRobot {
             None => Isometry2::translation(middle.x, middle.y),
             Some(start) => in_grid(&maze, start),
         };
-        let mut robot = Robot::new(maze, params.clone(), seed)?;
+        let params = PhysicsParams {
+            localisation: Localisation::Estimated,
+            ..params.clone()
+        };
+        let mut robot = Robot::new(maze, params, seed)?;
         robot.put_down(pose);
         Ok(Self {
             robot,
@@ -114,8 +118,8 @@ impl SimulatedRobot {
         let params = self.robot.params();
         let (base_m, beams) = (params.wheel_base_m, params.lidar.beams);
         self.robot.begin_trace();
-        self.robot.step(self.command, false);
-        let readings = self.robot.read();
+        let measured = self.robot.step(self.command);
+        let readings = measured.readings().expect("this robot has sensors");
         let moved = rolled([0.0; 2], readings.rolled_m, base_m);
         let turned_rad = readings.turned_rad;
         let mut ended = None;

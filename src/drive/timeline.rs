@@ -8,15 +8,13 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use nalgebra::{Isometry2, UnitComplex, Vector2};
-use xcscr_sensing::{Return, STEP_S};
+use xcscr_sensing::{Return, STEP_NS};
 
 use super::mounting::MountedScan;
 use super::readings::{Imu, Odometry, Scan};
 use super::wheels::Rolled;
 use crate::arena::Speeds;
 
-/// A step of the onboard computer in nanoseconds.
-pub const STEP_NS: u64 = (STEP_S * 1e9) as u64;
 /// The longest gap between two gyro readings across which the turn rate is known.
 const GYRO_GAP_NS: u64 = 75_000_000;
 /// The rounding error of a direction, in steps between two beams. Messages have numbers of 32 bits.

@@ -23,5 +23,7 @@ pub use params::{
 pub use readings::{Readings, Return};
 pub use sensors::{Moment, Push, Sensors, Streams, Terrain, cast};
 
-/// Duration of a step of the simulation, in seconds.
+/// Duration of a step, in seconds.
 pub const STEP_S: f64 = 0.05;
+/// Duration of a step in nanoseconds, as an integer so that clocks never drift.
+pub const STEP_NS: u64 = 50_000_000;

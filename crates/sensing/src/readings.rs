@@ -1,6 +1,6 @@
 //! Sensor readings: the only input of the onboard computer.
 
-use nalgebra::UnitComplex;
+use nalgebra::{Isometry2, UnitComplex};
 
 /// The range of a beam that hit something too near to be measured, as in ROS (REP 117).
 pub(crate) const TOO_NEAR: f64 = f64::NEG_INFINITY;
@@ -26,6 +26,8 @@ pub struct Readings<'a> {
     pub rolled_m: [f64; 2],
     /// The turn that the gyro measured, in radians, counter-clockwise; `None` without a gyro.
     pub turned_rad: Option<f64>,
+    /// The pose at the end of the step in the grid frame, if another localiser has found it.
+    pub told: Option<Isometry2<f64>>,
     /// Whether the front and the rear bumper were hit.
     pub bumped: [bool; 2],
     /// True if the robot is above the marker of a goal.

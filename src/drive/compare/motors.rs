@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::squares::{Observation, fitted, matrices};
 use super::{Found, Step};
 use crate::arena::{PhysicsParams, Speeds, rolled_by};
-use crate::drive::timeline::STEP_NS;
+use xcscr_sensing::STEP_NS;
 
 const SECOND_NS: f64 = 1e9;
 /// The changes by which derivatives are computed: a share of a setting, seconds of lag, or a factor.

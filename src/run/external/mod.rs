@@ -25,6 +25,7 @@ use crate::trial::Plan;
 use crate::world::Cell;
 use script::{Script, ScriptedWheels};
 use xcs::random::Stream;
+use xcscr_sensing::STEP_NS;
 
 /// The attachment of `run.mcap` with the episodes.
 pub(super) const EXTERNAL_EPISODES: &str = "external-episodes.json";
@@ -256,7 +257,6 @@ pub(super) fn record_external(
 /// Returns the time after which the lidar sends the same beams again: the arena's steps have 50 ms, and the rate of the
 /// lidar is counted in millionths of a hertz. The agent's episodes all began at time 0.
 fn lidar_cycle_ns(plan: &Plan) -> u64 {
-    const STEP_NS: u64 = 50_000_000;
     const STEPS_PER_S: u64 = 20;
     const PER_HZ: u64 = 1_000_000;
     let rate = plan.config.settings.physics.lidar.rate_hz;

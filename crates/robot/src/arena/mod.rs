@@ -21,8 +21,8 @@ pub use noisy_percepts::NoisyPerceptArena;
 pub use physics::check_fit;
 pub use physics::{
     Agreement, BumperParams, CautiousDriving, CautiousParams, EncoderParams, EstimatorParams,
-    FaultParams, GyroParams, LidarParams, Localisation, PhysicsArena, PhysicsError, PhysicsParams,
-    Pilot, Robot, Speeds, WheelDrive, rolled_by,
+    FaultParams, GyroParams, LidarParams, Localisation, Measured, Now, PhysicsArena, PhysicsError,
+    PhysicsParams, Pilot, Robot, Speeds, WheelDrive, rolled_by,
 };
 pub use sensed::{Beam, Estimate, LocalMap, Sensed};
 

@@ -37,7 +37,6 @@ pub struct Onboard {
     every_nth_beam: u32,
     /// The beams of a step that are used.
     taken: Vec<Return>,
-    bumped: [bool; 2],
     over_marker: bool,
     cell_size_m: f64,
     /// The assumed ranges of beams that hit something too near to be measured, and of beams that do
@@ -54,7 +53,6 @@ impl Onboard {
             obstacles: Obstacles::default(),
             every_nth_beam: robot.estimator.use_every_nth_beam,
             taken: Vec::new(),
-            bumped: [false; 2],
             over_marker: false,
             cell_size_m: robot.cell_size_m,
             assumed_ranges_m: [
@@ -84,11 +82,6 @@ impl Onboard {
         self.begin_action();
     }
 
-    /// Takes the pose at the end of the next step from another localiser.
-    pub fn tell(&mut self, pose: Isometry2<f64>) {
-        self.estimator.tell(pose);
-    }
-
     /// Begins an action. Clears the local map, so that an observation error cannot persist.
     pub fn begin_action(&mut self) {
         self.surroundings.forget(self.cell());
@@ -115,7 +108,6 @@ impl Onboard {
             }
         }
         self.surroundings.stand_in(self.cell());
-        self.bumped = readings.bumped;
         self.over_marker = readings.over_marker;
     }
 
@@ -153,11 +145,6 @@ impl Onboard {
             (east + 0.5) * self.cell_size_m,
             (north + 0.5) * self.cell_size_m,
         )
-    }
-
-    /// Returns whether the front and the rear bumper closed in the last step.
-    pub fn bumped(&self) -> [bool; 2] {
-        self.bumped
     }
 
     /// Returns true if wheel slip was detected recently.

@@ -33,6 +33,7 @@ fn readings(rolled: [f64; 2], turned_rad: f64, beams: &[Return]) -> Readings<'_>
     Readings {
         rolled_m: rolled,
         turned_rad: Some(turned_rad),
+        told: None,
         bumped: [false; 2],
         over_marker: false,
         beams,

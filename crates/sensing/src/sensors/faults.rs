@@ -100,6 +100,7 @@ mod tests {
         let mut readings = Readings {
             rolled_m: [0.1, 0.2],
             turned_rad: Some(0.0),
+            told: None,
             bumped: [true; 2],
             over_marker: false,
             beams: &beams,

@@ -118,6 +118,7 @@ impl Sensors {
         let mut readings = Readings {
             rolled_m: self.encoders.read(moment.travel_m),
             turned_rad: self.gyro.read(turned_rad),
+            told: None,
             bumped: bumper::read(moment.after.rotation, moment.pushes, self.bump_impulse),
             over_marker: terrain.is_marked(moment.after.translation.vector),
             beams,

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::motion::{Motion, Speeds};
+use super::motion::{Now, Speeds};
 use super::params::PhysicsParams;
 
 /// Turn rate per heading error in 1/s. Larger values oscillate at 20 Hz.
@@ -44,7 +44,7 @@ impl Maneuver {
         home: Point2<f64>,
         along: Vector2<f64>,
         [cell_size_m, settled_m]: [f64; 2],
-        seen: &Motion,
+        seen: &Now,
     ) -> Self {
         let heading = seen.pose.rotation * Vector2::x();
         Self {
@@ -60,7 +60,7 @@ impl Maneuver {
     /// Returns true if a wall ahead would keep the robot from reaching the next cell. Near the
     /// target the answer is false: a contact there means that the robot overshot and touched the
     /// wall behind the cell.
-    pub(super) fn is_stopped_by_walls(&self, seen: &Motion) -> bool {
+    pub(super) fn is_stopped_by_walls(&self, seen: &Now) -> bool {
         self.phase == Phase::Drive && self.ahead(seen) > self.settled_m
     }
 
@@ -70,7 +70,7 @@ impl Maneuver {
     }
 
     /// Returns the distance to the end of the path, in metres; `None` while the robot turns.
-    pub(super) fn left_m(&self, seen: &Motion) -> Option<f64> {
+    pub(super) fn left_m(&self, seen: &Now) -> Option<f64> {
         (self.phase != Phase::Turn).then(|| self.ahead(seen))
     }
 
@@ -93,12 +93,12 @@ impl Maneuver {
     }
 
     /// Returns the next command; `None` once the robot has arrived.
-    pub(super) fn command(&mut self, seen: &Motion, params: &PhysicsParams) -> Option<Speeds> {
+    pub(super) fn command(&mut self, seen: &Now, params: &PhysicsParams) -> Option<Speeds> {
         let face = self.facing * (seen.pose.rotation * Vector2::x());
         if self.phase == Phase::Turn {
             let sine = face.perp(&self.along);
             let aligned = sine.abs() < params.aligned && face.dot(&self.along) > 0.0;
-            if !aligned || seen.turn_radps.abs() >= params.aligned_radps {
+            if !aligned || seen.speeds.turn_radps.abs() >= params.aligned_radps {
                 return Some(self.turn(face, params));
             }
             self.phase = Phase::Drive;
@@ -120,9 +120,9 @@ impl Maneuver {
     }
 
     /// Drives toward the target while holding heading and track.
-    fn drive(&self, face: Vector2<f64>, seen: &Motion, params: &PhysicsParams) -> Option<Speeds> {
+    fn drive(&self, face: Vector2<f64>, seen: &Now, params: &PhysicsParams) -> Option<Speeds> {
         let ahead = self.ahead(seen);
-        if ahead.abs() < params.arrival_m && seen.forward_mps.abs() < params.arrival_mps {
+        if ahead.abs() < params.arrival_m && seen.speeds.forward_mps.abs() < params.arrival_mps {
             return None;
         }
         let speed = (2.0 * params.deceleration_mps2 * ahead.abs())
@@ -141,12 +141,12 @@ impl Maneuver {
     }
 
     /// Returns the vector from the robot to the target.
-    fn missing(&self, seen: &Motion) -> Vector2<f64> {
+    fn missing(&self, seen: &Now) -> Vector2<f64> {
         self.target.coords - seen.pose.translation.vector
     }
 
     /// Returns the distance to the target along the direction of travel; negative once passed.
-    fn ahead(&self, seen: &Motion) -> f64 {
+    fn ahead(&self, seen: &Now) -> f64 {
         self.missing(seen).dot(&self.along)
     }
 }

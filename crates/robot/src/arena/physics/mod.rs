@@ -1,7 +1,7 @@
 //! The maze as a physics simulation: a two-wheeled robot drives from cell to cell.
 //!
 //! ```text
-//! Robot::step(Speeds) ─▶ Robot::read() ─▶ Readings ─▶ Pilot::sense ─▶ Pilot::command ─▶ Speeds ...
+//! Pilot::begin(direction) ─▶ Speeds ─▶ Robot::step ─▶ Measured ─▶ Pilot::step ─▶ Speeds ...
 //! ```
 //! A [`Robot`] is body, wheels, floor and sensors. A [`Pilot`] localises the robot and drives it. An
 //! action is one bounded manoeuvre (`controller`): the robot turns, then drives one cell. When it
@@ -48,10 +48,10 @@ pub use agreement::Agreement;
 pub use cautious::{CautiousDriving, CautiousParams};
 pub use error::PhysicsError;
 pub use fit::check_fit;
-pub use motion::Speeds;
+pub use motion::{Now, Speeds};
 pub use params::{Localisation, PhysicsParams};
 pub use pilot::Pilot;
-pub use robot::Robot;
+pub use robot::{Measured, Robot};
 pub use wheel_drive::WheelDrive;
 pub use wheels::rolled_by;
 pub use xcscr_sensing::{
@@ -63,16 +63,10 @@ use self::records::Records;
 use super::{Arena, Outcome, View, first_cell};
 use crate::world::{Block, Cell, Direction, Maze, Moves};
 use xcs::Action;
-use xcscr_sensing::STEP_S;
+use xcscr_sensing::{PUT_DOWN, STEP_S};
 
-/// Duration of a physics step ([`STEP_S`]) in nanoseconds, as an integer so that clocks never
-/// drift.
-const STEP_NS: u64 = 50_000_000;
 /// Solver iterations per step; each is a substep of the motion.
 const SOLVER_ITERATIONS: usize = 2;
-/// Number of lidar turns before the first action of an episode. In one turn only two beams may pass
-/// a narrow gap, and losing one of them must not close the gap.
-const TURNS_BEFORE_START: u64 = 2;
 /// The largest number of wall blocks; the engine needs about a kilobyte for each.
 const MAX_BLOCKS: usize = 262_144;
 /// The longest side of a world in metres. At this distance the engine's single precision resolves a
@@ -106,23 +100,6 @@ impl PhysicsArena {
         Ok(arena)
     }
 
-    /// Passes what the robot senses in a step to its pilot.
-    fn observe(&mut self) {
-        match self.robot.params().localisation {
-            Localisation::Estimated => {
-                self.pilot.sense(&self.robot.read());
-                self.records.add_beams(&self.robot);
-                self.records.add_estimate(&self.pilot, self.robot.maze());
-            }
-            Localisation::GroundTruth => {
-                self.pilot.locate(self.robot.measure());
-                if self.robot.is_pushed(self.pilot.along()) {
-                    self.pilot.stop_at_wall();
-                }
-            }
-        }
-    }
-
     /// Sets the cell to the estimated one. An estimate outside the free cells leaves the last cell.
     fn update_cell(&mut self) {
         let position_m = self.pilot.estimate().0.translation.vector.into();
@@ -143,32 +120,26 @@ impl Arena for PhysicsArena {
         let pose = Isometry2::from(self.robot.maze().centre_in_grid(start).coords);
         self.robot.put_down(pose);
         self.cell = start;
-        self.pilot.put_down(self.robot.pose());
+        let (at, time_ns) = (self.robot.pose(), self.robot.time_ns());
+        self.pilot.put_down(at, PUT_DOWN, time_ns);
         self.records.begin(&self.pilot, self.robot.maze());
-        if self.pilot.onboard().is_some() {
-            for _ in 0..TURNS_BEFORE_START * self.robot.params().lidar.steps_per_turn() {
-                self.robot.wait();
-                self.observe();
-            }
+        while !self.pilot.has_seen() {
+            self.pilot.sense(&self.robot.wait());
+            self.records.add(&self.pilot, &self.robot);
         }
     }
 
     fn act(&mut self, action: Action) -> Outcome {
         self.robot.begin_trace();
-        if let Some(direction) = self.robot.maze().direction(action) {
-            self.pilot
-                .begin(direction, self.pilot.estimate().0, self.pilot.speeds());
-        }
-        self.records.begin(&self.pilot, self.robot.maze());
         self.robot.begin_action();
-        let start_ns = self.robot.time_ns();
-        while let Some(speeds) = self.pilot.command(
-            self.pilot.estimate().0,
-            self.pilot.speeds(),
-            self.robot.time_ns() - start_ns,
-        ) {
-            self.robot.step(speeds, self.pilot.slips());
-            self.observe();
+        let direction = self.robot.maze().direction(action);
+        let begin = |direction| self.pilot.begin(direction, self.pilot.now());
+        let mut command = direction.and_then(begin);
+        self.records.begin(&self.pilot, self.robot.maze());
+        while let Some(speeds) = command {
+            self.robot.accelerate_gently(self.pilot.slips());
+            command = self.pilot.step(&self.robot.step(speeds));
+            self.records.add(&self.pilot, &self.robot);
         }
         self.update_cell();
         let along = self.pilot.along();

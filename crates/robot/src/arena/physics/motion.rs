@@ -1,37 +1,18 @@
-//! Actual and commanded motion of the robot.
+//! Estimated and commanded motion of the robot.
 
 use nalgebra::Isometry2;
 
 use super::params::PhysicsParams;
 
-/// The true or estimated motion of the robot; lengths in metres.
+/// What is known of a robot at the moment of a command.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Motion {
-    /// The pose in the grid frame.
+pub struct Now {
+    /// The pose in the grid frame, in metres.
     pub pose: Isometry2<f64>,
-    /// Speed along the heading in m/s; negative when driving backward.
-    pub forward_mps: f64,
-    /// Speed to the left in m/s.
-    pub sideways_mps: f64,
-    /// Turn rate in rad/s, counter-clockwise.
-    pub turn_radps: f64,
-}
-
-impl Motion {
-    /// Returns the motion of a robot at rest.
-    pub fn at_rest(pose: Isometry2<f64>) -> Self {
-        Self::of(pose, Speeds::REST)
-    }
-
-    /// Returns the motion of a robot at a pose with these speeds, which does not slide sideways.
-    pub fn of(pose: Isometry2<f64>, speeds: Speeds) -> Self {
-        Self {
-            pose,
-            forward_mps: speeds.forward_mps,
-            sideways_mps: 0.0,
-            turn_radps: speeds.turn_radps,
-        }
-    }
+    /// The speeds.
+    pub speeds: Speeds,
+    /// The time in nanoseconds of the robot's clock.
+    pub time_ns: u64,
 }
 
 /// A speed along the heading and a turn rate.

@@ -3,24 +3,29 @@
 use std::sync::Arc;
 
 use nalgebra::{Isometry2, Matrix3, Vector2};
-use xcscr_sensing::{Onboard, PUT_DOWN, Readings, STEP_S};
+use xcscr_sensing::{Onboard, STEP_NS, STEP_S};
 
 use super::cautious::profile;
 use super::controller::Maneuver;
-use super::motion::{Motion, Speeds};
+use super::motion::{Now, Speeds};
 use super::params::PhysicsParams;
-use super::{Localisation, STEP_NS, lengths_m, vector};
+use super::robot::Measured;
+use super::{Localisation, lengths_m, vector};
 use crate::arena::{LocalMap, Outcome};
 use crate::sensor::Sensor;
 use crate::world::{Cell, Direction, Maze};
 use xcs::Percept;
 
+/// The number of lidar turns before the first action of an episode. In one turn only two beams may
+/// pass a narrow gap, and losing one of them must not close the gap.
+const TURNS_BEFORE_START: u64 = 2;
+
 /// Where the pilot has the robot's pose from.
 enum Localiser {
     /// From the sensors of the robot.
     Onboard(Box<Onboard>),
-    /// From outside: the motion that was reported last.
-    Told(Motion),
+    /// From the simulation: the pose and the speeds that were measured last.
+    Told(Isometry2<f64>, Speeds),
 }
 
 /// The current manoeuvre.
@@ -32,18 +37,26 @@ struct Action {
     home: [i32; 2],
     /// The target cell.
     wanted: [i32; 2],
-    /// The motion at the last command.
-    seen: Motion,
+    /// The time of its begin.
+    since_ns: u64,
+    /// What was known at the last command.
+    seen: Now,
     timed_out: bool,
 }
 
 /// Localises a robot and drives it from cell to cell: readings in, speeds out. The pilot of
 /// [`PhysicsArena`](super::PhysicsArena) is the pilot of a real robot.
 ///
-/// One action is [`begin`](Self::begin), then in each step [`command`](Self::command) and
-/// [`sense`](Self::sense), then [`end`](Self::end). The filter processes sensor readings in steps of
-/// 50 ms, possibly late; a command takes the current pose. All poses are in the grid frame, in
-/// metres.
+/// One action is [`begin`](Self::begin), then [`step`](Self::step) until it returns no speeds, then
+/// [`end`](Self::end). A step is [`sense`](Self::sense) and [`command`](Self::command). `drive` calls
+/// the two by themselves, because it gets a lidar turn at its end: the filter processes readings in
+/// steps of 50 ms, late, and a command takes the pose that odometry has found since. For the same
+/// reason an action is over only once the readings of its end are processed
+/// ([`has_seen`](Self::has_seen)). All poses are in the grid frame, in metres.
+///
+/// Two facts come from the driver, because robots differ in them. A robot without a bumper
+/// sees obstacles early, and the driver calls [`back_off`](Self::back_off). Whether a robot is in a goal
+/// is known by a marker on the floor in the arena, and by the map on a real robot.
 pub struct Pilot {
     localiser: Localiser,
     params: PhysicsParams,
@@ -55,6 +68,10 @@ pub struct Pilot {
     /// The map of a robot that localises itself in a world from a map.
     map: Option<Maze>,
     action: Option<Action>,
+    /// The time up to which readings are processed.
+    time_ns: u64,
+    /// The time up to which readings must be processed before the next decision.
+    rests_until_ns: u64,
 }
 
 impl Pilot {
@@ -64,7 +81,7 @@ impl Pilot {
         let cell_size_m = maze.cell_size_m();
         let knows_map = maze.is_from_map() && params.localisation == Localisation::Estimated;
         let localiser = match params.localisation {
-            Localisation::GroundTruth => Localiser::Told(Motion::at_rest(Isometry2::identity())),
+            Localisation::GroundTruth => Localiser::Told(Isometry2::identity(), Speeds::REST),
             Localisation::Estimated => {
                 let onboard = Onboard::new(&params.robot(cell_size_m));
                 Localiser::Onboard(Box::new(match maze.is_from_map() {
@@ -81,66 +98,87 @@ impl Pilot {
             cell_size_m,
             map: knows_map.then(|| maze.clone()),
             action: None,
+            time_ns: 0,
+            rests_until_ns: 0,
         }
     }
 
-    /// Sets the pose of the robot at rest, accurate to about a centimetre.
-    pub fn put_down(&mut self, pose: Isometry2<f64>) {
-        self.put_down_within(pose, PUT_DOWN);
-    }
-
-    /// Sets the pose of the robot at rest, with these deviations: in metres, and in radians.
-    pub fn put_down_within(&mut self, pose: Isometry2<f64>, deviations: [f64; 2]) {
+    /// Sets the pose of the robot at rest, with these deviations: in metres, and in radians. The robot
+    /// must rest until the pilot has looked round ([`has_seen`](Self::has_seen)).
+    pub fn put_down(&mut self, pose: Isometry2<f64>, deviations: [f64; 2], time_ns: u64) {
         self.action = None;
+        self.time_ns = time_ns;
+        self.rests_until_ns = time_ns + TURNS_BEFORE_START * self.turn_ns();
         match &mut self.localiser {
             Localiser::Onboard(onboard) => onboard.put_down_within(pose, deviations),
-            Localiser::Told(motion) => *motion = Motion::at_rest(pose),
+            told => *told = Localiser::Told(pose, Speeds::REST),
         }
     }
 
-    /// Takes the pose after the next readings from another localiser, for a robot with an onboard
-    /// computer.
-    pub fn tell(&mut self, pose: Isometry2<f64>) {
-        if let Localiser::Onboard(onboard) = &mut self.localiser {
-            onboard.tell(pose);
+    /// Returns the duration of a lidar turn in whole steps, in nanoseconds; 0 with ground truth.
+    fn turn_ns(&self) -> u64 {
+        match self.localiser {
+            Localiser::Onboard(_) => self.params.lidar.steps_per_turn() * STEP_NS,
+            Localiser::Told(..) => 0,
         }
     }
 
-    /// Processes the sensor readings of the next 50 ms. A bumper that closes in the direction of
-    /// travel makes the robot drive back.
-    pub fn sense(&mut self, readings: &Readings<'_>) {
-        if let Localiser::Onboard(onboard) = &mut self.localiser {
-            onboard.step(readings);
-            let [front, rear] = onboard.bumped();
-            let action = self.action.as_ref();
-            if action.is_some_and(|action| match action.maneuver.front_leads() {
-                true => front,
-                false => rear,
-            }) {
-                self.stop_at_wall();
+    /// Processes what the robot measured in the next 50 ms, and returns the command for the 50 ms
+    /// after them, as [`command`](Self::command) does.
+    pub fn step(&mut self, measured: &Measured<'_>) -> Option<Speeds> {
+        self.sense(measured);
+        self.command(self.now())
+    }
+
+    /// Processes what the robot measured in the next 50 ms. A wall that it hits makes it drive back,
+    /// unless the wall is behind the target.
+    pub fn sense(&mut self, measured: &Measured<'_>) {
+        self.time_ns += STEP_NS;
+        match (measured, &mut self.localiser) {
+            (Measured::Sensors(readings), Localiser::Onboard(onboard)) => onboard.step(readings),
+            (Measured::Sensors(_), Localiser::Told(..)) => {}
+            (&Measured::GroundTruth { pose, speeds, .. }, told) => {
+                *told = Localiser::Told(pose, speeds);
             }
         }
-    }
-
-    /// Takes the measured motion of a robot that does not localise itself.
-    pub(super) fn locate(&mut self, measured: Motion) {
-        self.localiser = Localiser::Told(measured);
-    }
-
-    /// Makes the robot drive back because of a wall ahead, unless the wall is behind the target.
-    pub(super) fn stop_at_wall(&mut self) {
-        if let Some(action) = &mut self.action
-            && action.maneuver.is_stopped_by_walls(&action.seen)
+        if let Some(Action { maneuver, seen, .. }) = &mut self.action
+            && maneuver.is_stopped_by_walls(seen)
+            && measured.is_hit(maneuver)
         {
-            action.maneuver.back_off();
+            maneuver.back_off();
         }
+    }
+
+    /// Returns what is known of the robot after the last processed readings.
+    pub fn now(&self) -> Now {
+        let speeds = match &self.localiser {
+            Localiser::Onboard(onboard) => {
+                let (forward_mps, turn_radps) = onboard.speeds();
+                Speeds {
+                    forward_mps,
+                    turn_radps,
+                }
+            }
+            Localiser::Told(_, speeds) => *speeds,
+        };
+        Now {
+            pose: self.estimate().0,
+            speeds,
+            time_ns: self.time_ns,
+        }
+    }
+
+    /// Returns true if all readings are processed up to the end of the last manoeuvre, or of the look
+    /// round after the robot was put down.
+    pub fn has_seen(&self) -> bool {
+        self.time_ns + STEP_NS > self.rests_until_ns
     }
 
     /// Returns the onboard computer, for its observations; `None` without one.
     pub fn onboard(&self) -> Option<&Onboard> {
         match &self.localiser {
             Localiser::Onboard(onboard) => Some(onboard),
-            Localiser::Told(_) => None,
+            Localiser::Told(..) => None,
         }
     }
 
@@ -148,19 +186,7 @@ impl Pilot {
     pub fn estimate(&self) -> (Isometry2<f64>, Matrix3<f64>) {
         match &self.localiser {
             Localiser::Onboard(onboard) => onboard.estimate(),
-            Localiser::Told(motion) => (motion.pose, Matrix3::zeros()),
-        }
-    }
-
-    /// Returns the estimated speeds.
-    pub fn speeds(&self) -> Speeds {
-        let (forward_mps, turn_radps) = match &self.localiser {
-            Localiser::Onboard(onboard) => onboard.speeds(),
-            Localiser::Told(motion) => (motion.forward_mps, motion.turn_radps),
-        };
-        Speeds {
-            forward_mps,
-            turn_radps,
+            Localiser::Told(pose, _) => (*pose, Matrix3::zeros()),
         }
     }
 
@@ -169,25 +195,26 @@ impl Pilot {
         self.onboard().is_some_and(Onboard::slips)
     }
 
-    /// Starts to drive one cell in a direction, from a pose and speeds. Discards earlier
+    /// Starts to drive one cell in a direction. Returns the first command. Discards earlier
     /// observations. A move that the map bars ends as blocked, without driving: the robot may fit
     /// through, but with less space beside it than a move needs.
-    pub fn begin(&mut self, direction: Direction, pose: Isometry2<f64>, speeds: Speeds) {
+    pub fn begin(&mut self, direction: Direction, now: Now) -> Option<Speeds> {
         if let Localiser::Onboard(onboard) = &mut self.localiser {
             onboard.begin_action();
         }
         let home = self.grid_cell();
         let middle = home.map(|cells| (f64::from(cells) + 0.5) * self.cell_size_m);
         let (east, south) = direction.offset();
-        let seen = Motion::of(pose, speeds);
         self.action = Some(Action {
-            maneuver: Maneuver::new(middle.into(), vector(direction), self.lengths_m, &seen),
+            maneuver: Maneuver::new(middle.into(), vector(direction), self.lengths_m, &now),
             is_barred: self.is_barred(direction),
             home,
             wanted: [home[0] + east, home[1] - south],
-            seen,
+            since_ns: now.time_ns,
+            seen: now,
             timed_out: false,
         });
+        self.command(now)
     }
 
     /// Returns true if the map bars a move from the estimated cell. From a cell that should be a
@@ -199,31 +226,24 @@ impl Pilot {
         })
     }
 
-    /// Returns the commanded speeds of the manoeuvre, `passed_ns` nanoseconds after its begin, for a robot at this
-    /// pose and with these speeds. Returns `None` if the manoeuvre is over, or there is none. The
-    /// robot rests at its end until the lidar has completed a turn. The speeds never exceed the
-    /// robot's settings.
-    pub fn command(
-        &mut self,
-        pose: Isometry2<f64>,
-        speeds: Speeds,
-        passed_ns: u64,
-    ) -> Option<Speeds> {
+    /// Returns the commanded speeds of the manoeuvre, for what is known of the robot now. Returns
+    /// `None` if the manoeuvre is over, or there is none. The robot rests at its end until the lidar
+    /// has completed a turn. The speeds never exceed the robot's settings.
+    pub fn command(&mut self, now: Now) -> Option<Speeds> {
         let params = profile(&self.params, &self.careful, self.slips());
-        let turn_ns = match self.localiser {
-            Localiser::Onboard(_) => self.params.lidar.steps_per_turn() * STEP_NS,
-            Localiser::Told(_) => 0,
-        };
+        let turn_ns = self.turn_ns();
         let action = self.action.as_mut()?;
+        self.rests_until_ns = now.time_ns;
+        let passed_ns = now.time_ns.saturating_sub(action.since_ns);
         let time_out_steps = (self.params.time_out_s / STEP_S).round() as u64;
         if passed_ns >= time_out_steps * STEP_NS {
             action.timed_out = true;
             return None;
         }
-        action.seen = Motion::of(pose, speeds);
+        action.seen = now;
         let speeds = match action.is_barred {
             true => None,
-            false => action.maneuver.command(&action.seen, params),
+            false => action.maneuver.command(&now, params),
         };
         match speeds {
             Some(speeds) => Some(speeds.limited(&self.params)),
@@ -233,9 +253,9 @@ impl Pilot {
 
     /// Returns the direction of travel as a unit vector, and the distance to the end of the path in
     /// metres. Returns `None` while the robot turns.
-    pub fn path(&self, pose: Isometry2<f64>) -> Option<(Vector2<f64>, f64)> {
+    pub fn path(&self, now: &Now) -> Option<(Vector2<f64>, f64)> {
         let maneuver = &self.action.as_ref()?.maneuver;
-        let left_m = maneuver.left_m(&Motion::at_rest(pose))?;
+        let left_m = maneuver.left_m(now)?;
         Some((maneuver.along(), left_m))
     }
 
@@ -245,18 +265,12 @@ impl Pilot {
         action.map_or(Vector2::x(), |action| action.maneuver.along())
     }
 
-    /// Makes the robot drive back to where the manoeuvre started, because of an obstacle. A robot that
-    /// drives back already goes on.
-    pub fn back_off(&mut self) {
-        if let Some(action) = self.action.as_mut().filter(|it| !it.maneuver.backs_off()) {
-            action.maneuver.back_off();
-        }
-    }
-
-    /// Returns true while the robot drives back because of an obstacle.
-    pub fn backs_off(&self) -> bool {
-        let action = self.action.as_ref();
-        action.is_some_and(|action| action.maneuver.backs_off())
+    /// Makes the robot drive back to where the manoeuvre started, because of an obstacle. Returns false
+    /// for a robot that drives back already.
+    pub fn back_off(&mut self) -> bool {
+        let action = self.action.as_mut();
+        let turned = action.filter(|action| !action.maneuver.backs_off());
+        turned.map(|action| action.maneuver.back_off()).is_some()
     }
 
     /// Ends the manoeuvre. Returns its outcome by the estimated cell, for a robot that is in a goal
@@ -288,8 +302,8 @@ impl Pilot {
     fn grid_cell(&self) -> [i32; 2] {
         match &self.localiser {
             Localiser::Onboard(onboard) => onboard.cell(),
-            Localiser::Told(motion) => {
-                let at = motion.pose.translation.vector / self.cell_size_m;
+            Localiser::Told(pose, _) => {
+                let at = pose.translation.vector / self.cell_size_m;
                 // The grid has at most 65,535 cells on a side.
                 [at.x.floor() as i32, at.y.floor() as i32]
             }

@@ -2,12 +2,11 @@
 
 use nalgebra::Isometry2;
 
-use super::STEP_NS;
 use super::pilot::{Pilot, local_map};
 use super::robot::Robot;
 use crate::arena::{Beam, Estimate, Sensed};
 use crate::world::{Cell, Maze};
-use xcscr_sensing::Onboard;
+use xcscr_sensing::{Onboard, STEP_NS};
 
 /// The estimates and the beams since the last reset or action began.
 #[derive(Default)]
@@ -21,16 +20,12 @@ impl Records {
     pub(super) fn begin(&mut self, pilot: &Pilot, maze: &Maze) {
         self.estimates.clear();
         self.beams.clear();
-        self.add_estimate(pilot, maze);
-    }
-
-    /// Adds the current estimate.
-    pub(super) fn add_estimate(&mut self, pilot: &Pilot, maze: &Maze) {
         self.estimates.push(estimate_in_map(pilot, maze));
     }
 
-    /// Adds the beams of the last step.
-    pub(super) fn add_beams(&mut self, robot: &Robot) {
+    /// Adds the current estimate, and the beams of the last step.
+    pub(super) fn add(&mut self, pilot: &Pilot, robot: &Robot) {
+        self.estimates.push(estimate_in_map(pilot, robot.maze()));
         let start_ns = robot.time_ns() - STEP_NS;
         let beams = robot.returns().iter().map(|beam| Beam {
             time_ns: start_ns + (beam.moment * STEP_NS as f64) as u64,

@@ -4,28 +4,70 @@ use nalgebra::{Isometry2, Point2, Vector2};
 
 use super::cautious::profile;
 use super::contact::{Hits, is_frontal};
-use super::motion::{Motion, Speeds};
+use super::controller::Maneuver;
+use super::motion::Speeds;
 use super::noise::Noise;
 use super::params::{FRICTION, PhysicsParams};
 use super::simulation::{Simulation, State, pose_of};
-use super::wheels::{Wheels, true_motion};
-use super::{PhysicsError, STEP_NS, blocks, fit, simulation};
+use super::wheels::{Motion, Wheels, true_motion};
+use super::{Localisation, PhysicsError, blocks, fit, simulation};
 use crate::arena::{Contact, Sample, View, first_cell};
 use crate::streams::StreamName;
 use crate::world::{Cell, Maze};
 use xcs::random::Stream;
-use xcscr_sensing::{Moment, Readings, Return, Sensors, Streams};
+use xcscr_sensing::{Moment, Push, Readings, Return, STEP_NS, Sensors, Streams};
+
+/// What a robot measures in a step of 50 ms.
+pub enum Measured<'a> {
+    /// The readings of its sensors.
+    Sensors(Readings<'a>),
+    /// What the simulation knows in place of them ([`Localisation::GroundTruth`]).
+    GroundTruth {
+        /// The true pose in the grid frame, with some noise.
+        pose: Isometry2<f64>,
+        /// The true speeds.
+        speeds: Speeds,
+        /// The pushes of walls.
+        pushes: &'a [Push],
+    },
+}
+
+impl<'a> Measured<'a> {
+    /// Returns the readings of the sensors; `None` with ground truth.
+    pub fn readings(self) -> Option<Readings<'a>> {
+        match self {
+            Self::Sensors(readings) => Some(readings),
+            Self::GroundTruth { .. } => None,
+        }
+    }
+
+    /// Returns true if a wall stops a robot that follows a manoeuvre: by the bumper that leads, or by
+    /// a push against the direction of travel.
+    pub(super) fn is_hit(&self, maneuver: &Maneuver) -> bool {
+        match self {
+            Self::Sensors(readings) => {
+                let [front, rear] = readings.bumped;
+                if maneuver.front_leads() { front } else { rear }
+            }
+            Self::GroundTruth { pushes, .. } => {
+                let along = maneuver.along();
+                pushes.iter().any(|push| is_frontal(push.normal, along))
+            }
+        }
+    }
+}
 
 /// A differential-drive robot in a maze: body, wheels, floor, walls, sensors and noise. It knows no
 /// cells and takes no decisions; whoever drives it commands speeds, step by step.
 ///
-/// All drivers use this robot: the arena, the evaluation of a policy, the wheel environment and
-/// `simulate`.
+/// All drivers use this robot: the arena, the evaluation of a policy and `simulate` by
+/// [`step`](Self::step), and the wheel environment, which has no use for readings, by its wheels.
 pub struct Robot {
     maze: Maze,
     params: PhysicsParams,
     /// The settings for cautious driving.
     careful: PhysicsParams,
+    is_gentle: bool,
     simulation: Simulation,
     /// The initial state of the engine, restored whenever the robot is put down.
     initial: State,
@@ -69,6 +111,7 @@ impl Robot {
             trace: Vec::new(),
             hits: Hits::default(),
             careful: params.careful(),
+            is_gentle: false,
             params,
             maze,
         };
@@ -99,20 +142,25 @@ impl Robot {
         self.trace.push(self.sample());
     }
 
-    /// Drives for 50 ms at the commanded speeds, limited by the robot's settings. A robot that
-    /// `slips`, and notices it, accelerates as gently as its settings say.
-    pub fn step(&mut self, speeds: Speeds, slips: bool) {
-        let rims_mps = speeds.limited(&self.params).rims_mps(&self.params);
-        self.roll(rims_mps, slips);
+    /// Makes the motors accelerate as gently as the settings say for wheels that slip, or as usual.
+    pub(super) fn accelerate_gently(&mut self, gently: bool) {
+        self.is_gentle = gently;
+    }
+
+    /// Drives for 50 ms at the commanded speeds, limited by the robot's settings. Returns what it
+    /// measures.
+    pub fn step(&mut self, speeds: Speeds) -> Measured<'_> {
+        self.roll(speeds.limited(&self.params).rims_mps(&self.params));
+        self.measure()
     }
 
     /// Drives for 50 ms. The motors follow the commanded speeds of the left and right rim with their
     /// lag and limited acceleration. The floor's friction limits the force of the wheels.
-    pub(super) fn roll(&mut self, rims_mps: [f64; 2], slips: bool) {
+    pub(super) fn roll(&mut self, rims_mps: [f64; 2]) {
         let motion = self.motion();
         let [left, right] = self.noise.wheel_noise();
         let excess = [self.bias[0] + left, self.bias[1] + right];
-        let limits = profile(&self.params, &self.careful, slips);
+        let limits = profile(&self.params, &self.careful, self.is_gentle);
         self.wheels.follow(rims_mps, limits);
         let friction = self.friction(&motion);
         let body = self.simulation.body_mut();
@@ -121,38 +169,35 @@ impl Robot {
         self.advance();
     }
 
-    /// Lets 50 ms pass without a command.
-    pub fn wait(&mut self) {
+    /// Lets 50 ms pass without a command. Returns what the robot measures.
+    pub fn wait(&mut self) -> Measured<'_> {
         self.advance();
+        self.measure()
     }
 
-    /// Reads the sensors after a step. Before the first step the robot has not moved.
-    pub fn read(&mut self) -> Readings<'_> {
-        let moment = Moment {
-            step: self.steps.saturating_sub(1),
-            before: self.before,
-            after: self.motion().pose,
-            travel_m: self.wheels.travel_m,
-            pushes: self.simulation.pushes(),
-        };
-        self.sensors.read(&self.maze, &moment, &mut self.returns)
-    }
-
-    /// Returns the motion as a robot measures it that is told its pose: speeds from odometry, and
-    /// the true pose with noise.
-    pub(super) fn measure(&mut self) -> Motion {
+    /// Measures the last step.
+    fn measure(&mut self) -> Measured<'_> {
         let motion = self.motion();
-        Motion {
-            pose: self.noise.measure(&motion.pose),
-            ..motion
+        let pushes = self.simulation.pushes();
+        if self.params.localisation == Localisation::GroundTruth {
+            return Measured::GroundTruth {
+                pose: self.noise.measure(&motion.pose),
+                speeds: Speeds {
+                    forward_mps: motion.forward_mps,
+                    turn_radps: motion.turn_radps,
+                },
+                pushes,
+            };
         }
-    }
-
-    /// Returns true if a wall pushed in the last step against a robot that drives along a unit
-    /// vector of the grid frame.
-    pub(super) fn is_pushed(&mut self, along: Vector2<f64>) -> bool {
-        let mut pushes = self.simulation.pushes().iter();
-        pushes.any(|push| is_frontal(push.normal, along))
+        let moment = Moment {
+            step: self.steps - 1,
+            before: self.before,
+            after: motion.pose,
+            travel_m: self.wheels.travel_m,
+            pushes,
+        };
+        let (sensors, returns) = (&mut self.sensors, &mut self.returns);
+        Measured::Sensors(sensors.read(&self.maze, &moment, returns))
     }
 
     /// Returns the impulse in newton-seconds of the collisions of this path with walls across the
@@ -222,7 +267,7 @@ impl Robot {
         &self.params
     }
 
-    /// Returns the beams that [`read`](Self::read) returned last.
+    /// Returns the beams of the last step; nothing with ground truth.
     pub(super) fn returns(&self) -> &[Return] {
         &self.returns
     }

@@ -47,8 +47,7 @@ impl WheelDrive {
     pub fn step(&mut self, rims_mps: [f64; 2]) {
         let most = self.robot.params().max_speed_mps;
         self.robot.begin_trace();
-        self.robot
-            .roll(rims_mps.map(|speed| within(speed, most)), false);
+        self.robot.roll(rims_mps.map(|speed| within(speed, most)));
         let position_m = self.robot.pose().translation.vector.into();
         self.cell = cell_from_position(self.robot.maze(), position_m, self.cell);
     }

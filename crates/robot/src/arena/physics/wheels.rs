@@ -4,11 +4,24 @@ use nalgebra::{Complex, Isometry2, Translation2, UnitComplex, Vector2};
 use rapier2d::prelude::{RigidBody, Vector};
 
 use super::STEP_S;
-use super::motion::{Motion, Speeds};
+use super::motion::Speeds;
 use super::params::{PhysicsParams, grip_mps2};
 
 /// Time constant of the motors in s.
 const MOTOR_LAG_S: f64 = 0.03;
+
+/// The true motion of the robot's body; lengths in metres.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Motion {
+    /// The pose in the grid frame.
+    pub pose: Isometry2<f64>,
+    /// Speed along the heading in m/s; negative when driving backward.
+    pub forward_mps: f64,
+    /// Speed to the left in m/s.
+    pub sideways_mps: f64,
+    /// Turn rate in rad/s, counter-clockwise.
+    pub turn_radps: f64,
+}
 
 /// Returns the true motion of the robot's body in the engine.
 pub(super) fn true_motion(body: &RigidBody) -> Motion {

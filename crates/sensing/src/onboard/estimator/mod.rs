@@ -110,8 +110,6 @@ pub(crate) struct Estimator {
     filter: FilterState,
     /// The rotation from the end of the last step back to each of its beams.
     back: Vec<UnitComplex<f64>>,
-    /// The pose at the end of the next step, if another localiser has found it.
-    told: Option<Isometry2<f64>>,
     /// Along x and y: the last beams of this action that were accepted as ending at walls.
     consistency_checks: [ConsistencyCheck; 2],
 }
@@ -169,7 +167,6 @@ impl Estimator {
             },
             assumed,
             back: Vec::new(),
-            told: None,
             consistency_checks: [ConsistencyCheck::default(); 2],
         }
     }
@@ -202,11 +199,6 @@ impl Estimator {
             covariance[(at, at)] = square(deviation);
         }
         self.filter.pose = pose;
-    }
-
-    /// Takes the pose at the end of the next step from another localiser, instead of correcting it.
-    pub fn tell(&mut self, pose: Isometry2<f64>) {
-        self.told = Some(pose);
     }
 
     /// Returns the estimated pose in the grid frame, in metres.
@@ -259,7 +251,8 @@ impl Estimator {
         covariance[(ROLL, ROLL)] = square(self.assumed.roll_bias) / 2.0;
     }
 
-    /// Updates the state with the readings of a step.
+    /// Updates the state with the readings of a step. A pose from another localiser replaces the
+    /// correction by the beams.
     pub fn step(&mut self, readings: &Readings<'_>) {
         self.predict(readings);
         self.filter.strain = self.filter.strain.map(|strain| STRAIN_DECAY * strain);
@@ -267,7 +260,7 @@ impl Estimator {
         let back = |beam: &Return| rotation((beam.moment - 1.0) * turned_rad);
         self.back.clear();
         self.back.extend(readings.beams.iter().map(back));
-        if let Some(pose) = self.told.take() {
+        if let Some(pose) = readings.told {
             self.place(pose, [TOLD_OFF; 3]);
             return;
         }
