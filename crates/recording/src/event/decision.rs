@@ -44,9 +44,9 @@ pub struct Decision {
     /// Value of each action, clockwise from north, in percent of the reward at a goal; null if
     /// unknown.
     pub values: Vec<Option<f64>>,
-    /// The condition of the rule in words, or the decision source. It is part of `rule`.
+    /// The demands of the rule in words, or the decision source. They are part of `rule`.
     #[serde(skip)]
-    pub because: String,
+    pub because: Vec<String>,
     /// The action and its value. It is part of `rule`.
     #[serde(skip)]
     pub choice: String,
@@ -59,7 +59,7 @@ impl Decision {
         let (because, choice) = match step.view.wheels_mps {
             Some([left, right]) => {
                 let speeds = format!("left {left:.2} m/s, right {right:.2} m/s");
-                (WHEELS.to_owned(), speeds)
+                (vec![WHEELS.to_owned()], speeds)
             }
             None => (because(step, sensor), value(step, step.action)),
         };
@@ -73,7 +73,7 @@ impl Decision {
             explored: step.explored,
             seen: sensor.words(maze, &step.percept),
             percept: step.percept.to_string(),
-            rule: format!("{because} -> {choice}{}", support(step)),
+            rule: format!("{} -> {choice}{}", because.join(", "), support(step)),
             runner_up: runner_up(step).map_or_else(String::new, |other| value(step, other)),
             left: left_percent(step),
             values: value_percent(step, goal),
@@ -120,12 +120,12 @@ pub(super) fn action_name(step: &Step<'_>, action: Action) -> String {
     }
 }
 
-/// Returns the condition of the deciding rule as text, or the name of the decision source.
-fn because(step: &Step<'_>, sensor: Sensor) -> String {
+/// Returns the demands of the deciding rule in words, or the name of the decision source.
+fn because(step: &Step<'_>, sensor: Sensor) -> Vec<String> {
     let condition = step.fired();
     condition.map_or_else(
-        || source_name(step.source).to_owned(),
-        |condition| sensor.words(step.view.maze, &condition),
+        || vec![source_name(step.source).to_owned()],
+        |condition| sensor.demands(step.view.maze, &condition),
     )
 }
 

@@ -50,23 +50,23 @@ fn letter_m(maze: &Maze) -> f64 {
 }
 
 /// Returns as many demands as fit above the robot, line by line. The least informative come last.
-fn abbreviated(because: &str) -> Vec<String> {
-    let demands = because.split(", ");
-    let (weak, strong): (Vec<&str>, _) = demands.partition(|demand| demand.ends_with("no goal"));
+fn abbreviated(demands: &[String]) -> Vec<String> {
+    let demands = demands.iter();
+    let (weak, strong): (Vec<_>, Vec<_>) = demands.partition(|demand| demand.ends_with("no goal"));
     let mut lines = vec![String::new()];
-    for demand in [strong, weak].concat() {
+    for demand in strong.into_iter().chain(weak) {
         let has_room = lines
             .last()
             .is_some_and(|line| line.len() + demand.len() <= LETTERS);
         let is_full = lines.len() == LINES;
         match lines.last_mut() {
-            Some(line) if line.is_empty() => demand.clone_into(line),
+            Some(line) if line.is_empty() => line.clone_from(demand),
             Some(line) if has_room => *line = format!("{line}, {demand}"),
             Some(line) if is_full => {
                 line.push_str(", ...");
                 break;
             }
-            _ => lines.push(demand.to_owned()),
+            _ => lines.push(demand.clone()),
         }
     }
     lines
@@ -78,17 +78,31 @@ mod tests {
 
     #[test]
     fn text_above_the_robot_is_short_and_begins_with_the_most_informative_demand() {
+        let abbreviated = |demands: &[&str]| {
+            abbreviated(
+                &demands
+                    .iter()
+                    .map(|&one| one.to_owned())
+                    .collect::<Vec<_>>(),
+            )
+        };
         assert_eq!(
-            abbreviated("north no goal, east free"),
+            abbreviated(&["north no goal", "east free"]),
             ["east free, north no goal"]
         );
-        assert_eq!(abbreviated("explores by chance"), ["explores by chance"]);
-        let long =
-            "north wall, north-east wall, east free, south-east free, south-west wall, west wall";
+        assert_eq!(abbreviated(&["explores by chance"]), ["explores by chance"]);
+        let long = [
+            "north wall",
+            "north-east wall",
+            "east free",
+            "south-east free",
+            "south-west wall",
+            "west wall",
+        ];
         let wanted = [
             "north wall, north-east wall",
             "east free, south-east free, ...",
         ];
-        assert_eq!(abbreviated(long), wanted);
+        assert_eq!(abbreviated(&long), wanted);
     }
 }

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use super::Sensor;
 use super::words::{Alleles, Demands};
-use crate::world::{Cell, Direction, Maze};
+use crate::world::{Cell, Maze};
 use xcs::{Action, Percept};
 
 /// The maximum number of earlier steps in a percept.
@@ -171,8 +171,7 @@ impl Sensor {
             first: alleles.first + actions,
             alleles: alleles.alleles,
         };
-        let names = Direction::CLOCKWISE.map(Direction::name);
-        let percept = self.words_of_percept(names, maze, &percept);
+        let percept = self.words_of_percept(maze, &percept);
         went.into_iter().chain(percept).collect()
     }
 }

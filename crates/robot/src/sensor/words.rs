@@ -65,58 +65,36 @@ pub type Alleles<'a> = &'a dyn Demands;
 /// The words for a condition that matches everything.
 pub const ANYTHING: &str = "anything";
 
-/// Names of the eight neighbours of a robot that faces the direction of its action.
-const FACING: [&str; 8] = [
-    "ahead",
-    "ahead right",
-    "right",
-    "behind right",
-    "behind",
-    "behind left",
-    "left",
-    "ahead left",
-];
-
 impl Sensor {
     /// Describes a condition, for example `north wall, east free`. Returns `anything` if it matches
     /// everything.
     pub fn words(self, maze: &Maze, alleles: Alleles<'_>) -> String {
-        self.phrase(Direction::CLOCKWISE.map(Direction::name), maze, alleles)
+        self.demands(maze, alleles).join(", ")
     }
 
-    /// Describes a condition on a percept that is rotated to the direction of the action, for
-    /// example `ahead wall`.
-    pub fn words_facing(self, maze: &Maze, alleles: Alleles<'_>) -> String {
-        self.phrase(FACING, maze, alleles)
-    }
-
-    fn phrase(self, names: [&str; 8], maze: &Maze, alleles: Alleles<'_>) -> String {
-        let mut words = self.words_of_percept(names, maze, alleles);
+    /// Describes each demand of a condition. Returns `anything` if it matches everything.
+    pub fn demands(self, maze: &Maze, alleles: Alleles<'_>) -> Vec<String> {
+        let mut words = self.words_of_percept(maze, alleles);
         words.extend(self.words_of_history(maze, alleles));
         match words.is_empty() {
-            true => ANYTHING.to_owned(),
-            false => words.join(", "),
+            true => vec![ANYTHING.to_owned()],
+            false => words,
         }
     }
 
     /// Describes the percept without earlier steps.
-    pub(super) fn words_of_percept(
-        self,
-        names: [&str; 8],
-        maze: &Maze,
-        alleles: Alleles<'_>,
-    ) -> Vec<String> {
+    pub(super) fn words_of_percept(self, maze: &Maze, alleles: Alleles<'_>) -> Vec<String> {
         match self {
-            Self::Neighbours => around(names, alleles),
+            Self::Neighbours => around(alleles),
             Self::Position => place(maze, 0, alleles),
             Self::NeighboursPosition => {
-                let mut words = around(names, alleles);
+                let mut words = around(alleles);
                 words.extend(place(maze, neighbours::WIDTH, alleles));
                 words
             }
-            Self::Lidar => seen(names, alleles),
+            Self::Lidar => seen(alleles),
             Self::LidarPosition => {
-                let mut words = seen(names, alleles);
+                let mut words = seen(alleles);
                 words.extend(place(maze, neighbours::WIDTH, alleles));
                 words
             }
@@ -125,8 +103,8 @@ impl Sensor {
 }
 
 /// Describes two alleles for each cell: goal or not, and barred (wall or goal) or not.
-fn around(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
-    let word = |(at, name): (usize, &str)| {
+fn around(alleles: Alleles<'_>) -> Vec<String> {
+    let word = |(at, direction): (usize, Direction)| {
         let state = match [alleles.allele(2 * at), alleles.allele(2 * at + 1)] {
             [None, None] => return None,
             // No cell shows `10`; a learner that perceives it treats the cell as free.
@@ -137,21 +115,23 @@ fn around(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
             [None, Some(true)] => "wall or goal",
             [_, Some(false)] => "free",
         };
-        Some(format!("{name} {state}"))
+        Some(format!("{} {state}", direction.name()))
     };
-    names.into_iter().enumerate().filter_map(word).collect()
+    let around = Direction::CLOCKWISE.into_iter().enumerate();
+    around.filter_map(word).collect()
 }
 
 /// Describes two alleles for each cell, of which only the second one can differ.
-fn seen(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
-    let word = |(at, name): (usize, &str)| {
+fn seen(alleles: Alleles<'_>) -> Vec<String> {
+    let word = |(at, direction): (usize, Direction)| {
         let state = match alleles.allele(2 * at + 1)? {
             true => "wall",
             false => "free",
         };
-        Some(format!("{name} {state}"))
+        Some(format!("{} {state}", direction.name()))
     };
-    names.into_iter().enumerate().filter_map(word).collect()
+    let around = Direction::CLOCKWISE.into_iter().enumerate();
+    around.filter_map(word).collect()
 }
 
 /// The largest number of ranges of columns or rows that are listed in full.

@@ -21,11 +21,6 @@ fn two_alleles_describe_the_cell_in_a_direction() {
         "north wall, north-east free, east wall or goal, south-east no goal, south goal, \
          south-west free, north-west goal"
     );
-    let alleles = allele("01##############");
-    assert_eq!(
-        Sensor::Neighbours.words_facing(&maze(), &alleles),
-        "ahead wall"
-    );
 }
 
 #[test]
