@@ -13,6 +13,7 @@ use xcscr::replay::player;
 
 use super::{GRID, PHYSICS};
 use crate::kit::desk::Desk;
+use crate::kit::flat::Flat;
 use crate::kit::messages::{count, messages, said};
 use crate::recordings::copies::Parts;
 
@@ -96,6 +97,18 @@ fn shape(value: &Value) -> Value {
 fn the_data_of_a_page_have_these_fields() {
     let data = data(&player::page(&sample()).unwrap());
     insta::assert_snapshot!(serde_json::to_string_pretty(&shape(&data)).unwrap());
+}
+
+/// It reads these in addition in the page of a run in a world from a map.
+#[test]
+fn the_data_of_a_run_have_chapters_packed_episodes_and_walls_of_a_map() {
+    let desk = Desk::new();
+    desk.write("flat.json", Flat::new().gridded(0.5).maze.to_json());
+    desk.ok("train @flat.json --arena grid --episodes 2 --out @run --quiet");
+    let data = data(&desk.text("run/replay.html"));
+    let fields = ["chapters", "packed_episodes"].map(|field| shape(&data[field]));
+    let fields = serde_json::json!([fields, shape(&data["world"]["walls"])]);
+    insta::assert_snapshot!(serde_json::to_string_pretty(&fields).unwrap());
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The data of a page: the facts of a recording, each with its time in seconds.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::Serialize;
@@ -8,7 +9,7 @@ use super::chapters::Chapter;
 use super::episodes::{self, PackedEpisode};
 use super::world::World;
 use crate::Error;
-use crate::record::event::{Begin, Contact, Curve, Learned, Localisation};
+use crate::record::event::{Begin, Contact, Curve, Learned, Localisation, Perceived};
 use crate::record::reader::Recording;
 use crate::world::Maze;
 
@@ -33,8 +34,8 @@ pub struct Data {
     pub no_goal_colour: String,
     /// CSS colours of action values below and above 0.
     pub value_colours: [String; 2],
-    /// CSS colours of cells perceived as free, as a wall and as a goal.
-    pub percept_colours: Vec<String>,
+    /// The CSS colours of perceived cells.
+    pub percept_colours: BTreeMap<Perceived, String>,
     /// Time, x, y and heading in the map frame, in seconds, metres and radians.
     pub poses: Vec<[f64; 4]>,
     /// The same of the estimated pose.
@@ -44,7 +45,7 @@ pub struct Data {
     /// The beginnings of episodes.
     pub begins: Vec<Timed<Begin>>,
     /// The ends of episodes, with the policy after each.
-    pub ends: Vec<Timed<Begin>>,
+    pub ends: Vec<Timed<EpisodeEnd>>,
     pub contacts: Vec<Timed<Contact>>,
     pub learned: Vec<Timed<Policy>>,
     /// The learning curve; `None` where the page of a run has it.
@@ -66,6 +67,14 @@ pub struct Timed<F> {
     pub fact: F,
 }
 
+/// The end of an episode.
+#[derive(Debug, Serialize)]
+pub struct EpisodeEnd {
+    pub episode: u32,
+    /// True if the policy after the episode is globally optimal.
+    pub optimal: bool,
+}
+
 /// A decision, with the values of the actions as readers compare them: in units of reward.
 #[derive(Debug, Serialize)]
 pub struct Choice {
@@ -83,8 +92,8 @@ pub struct Choice {
     /// The percentage of steps that is left.
     pub left: u32,
     pub values: Vec<Option<f64>>,
-    /// The perceived cells, clockwise from north, as numbers of their colours.
-    pub perceived: Vec<u8>,
+    /// The perceived cells, clockwise from north.
+    pub perceived: Vec<Perceived>,
 }
 
 /// The learned policy: for each cell of the maze, the northern row first, the best actions as bits, and

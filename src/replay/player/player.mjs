@@ -21,7 +21,7 @@ const recording = withPoses(JSON.parse(byId("data").textContent));
 let data = recording;
 [COLOURS.far, , COLOURS.near] = data.arrow_colours;
 COLOURS.never = data.no_goal_colour;
-[COLOURS.free, COLOURS.blocked] = data.percept_colours;
+[COLOURS.free, COLOURS.blocked] = [data.percept_colours.free, data.percept_colours.wall];
 [COLOURS.below, COLOURS.above] = data.value_colours;
 
 function withPoses(data) {

@@ -3,12 +3,12 @@
 use foxglove::messages::Odometry;
 use strum::VariantArray;
 
-use super::data::{Choice, Data, Policy, Timed};
+use super::data::{Choice, Data, EpisodeEnd, Policy, Timed};
 use super::world::World;
 use crate::Error;
 use crate::picture::css;
 use crate::record::colours::{ABOVE, BELOW, NO_GOAL, SCALE};
-use crate::record::event::{Begin, Contact, Curve, Decision, End, Learned, Perceived, StepOutcome};
+use crate::record::event::{Contact, Curve, Decision, End, Learned, Perceived, StepOutcome};
 use crate::record::info::{self, RADIUS, RunKind};
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::{decimal, decoded, percept};
@@ -92,7 +92,7 @@ impl Reader {
             value_colours: [BELOW, ABOVE].map(css),
             percept_colours: Perceived::VARIANTS
                 .iter()
-                .map(|&kind| css(percept::colour(kind)))
+                .map(|&kind| (kind, css(percept::colour(kind))))
                 .collect(),
             noun: match recording.run_kind() {
                 Ok(RunKind::Evaluation) => "Greedy drive",
@@ -178,11 +178,7 @@ impl Reader {
             runner_up: decision.runner_up.clone(),
             left: decision.left,
             values: Vec::new(),
-            perceived: around
-                .into_iter()
-                .flatten()
-                .map(|kind| kind as u8)
-                .collect(),
+            perceived: around.into_iter().flatten().collect(),
         }
     }
 
@@ -223,7 +219,7 @@ impl Reader {
     }
 
     fn end(&mut self, t: f64, end: End) {
-        let fact = Begin {
+        let fact = EpisodeEnd {
             episode: end.episode,
             optimal: end.optimal,
         };
