@@ -74,7 +74,7 @@ pub struct SettingsArgs {
     /// Settings file (TOML); `xcscr config show` prints one.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Override one setting, such as `xcs.beta=0.1`.
+    /// Override one setting, such as `xcs.dont_care=0.5`.
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 }

@@ -29,7 +29,7 @@ pub(super) struct ChoiceArgs {
     /// Arena to use instead of the study's.
     #[arg(long, value_parser = choices::arena())]
     arena: Option<ArenaKind>,
-    /// Override one setting of all trials, such as `xcs.beta=0.1`.
+    /// Override one setting of all trials, such as `xcs.dont_care=0.5`.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 }
