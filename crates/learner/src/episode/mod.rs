@@ -13,5 +13,5 @@ pub use mistakes::Watch;
 pub use observer::{AfterEpisode, Ending, Episode, Observer, Step};
 pub use params::Params;
 pub(crate) use policy::FaultFinder;
-pub use policy::PolicyMap;
+pub use policy::{PolicyMap, greedy_path};
 pub use run::{Start, run};

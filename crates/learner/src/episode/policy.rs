@@ -137,22 +137,22 @@ impl PolicyMap {
         }
     }
 
-    /// Returns the cells of the greedy path from `start`, with ties broken by the first best
-    /// action. The path ends at a goal, at a wall, in a cell without values, or after as many steps
-    /// as there are cells.
+    /// Returns the cells of the [greedy path](greedy_path) from `start`, with ties broken by the first best action.
     pub fn greedy_path(&self, maze: &Maze, start: Cell) -> Vec<Cell> {
-        let mut path = vec![start];
-        let mut cell = start;
-        while path.len() <= self.cells.len() && !maze.is_goal(cell) {
-            let values = self.values(cell);
-            let Some(next) = values.and_then(|values| ahead(maze, cell, values)) else {
-                break;
-            };
-            path.push(next);
-            cell = next;
-        }
-        path
+        greedy_path(start, |cell| ahead(maze, cell, self.values(cell)?))
     }
+}
+
+/// Returns the cells of a path from `start`, where `ahead` returns the cell after each one: up to a goal, a wall or a
+/// cell without values, which have none, or to the first repeated cell.
+pub fn greedy_path(start: Cell, ahead: impl Fn(Cell) -> Option<Cell>) -> Vec<Cell> {
+    let (mut path, mut seen) = (Vec::new(), BTreeSet::new());
+    let mut at = Some(start);
+    while let Some(cell) = at.filter(|cell| seen.insert((cell.row, cell.col))) {
+        path.push(cell);
+        at = ahead(cell);
+    }
+    path
 }
 
 /// Returns the cell that the first best action leads to.

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::observer::{AfterEpisode, Ending, Episode, Observer, Step};
-use crate::agent::{Agent, Chosen, Explorer};
+use crate::agent::{Agent, Chosen, EndCredit, Explorer};
 use xcscr_robot::arena::{Arena, Outcome};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::Cell;
@@ -70,20 +70,7 @@ pub fn run(
         }
     };
     let end = method.end_episode(ending == Ending::Goal);
-    let episode = Episode {
-        episode: start.episode,
-        ending,
-        steps: totals.steps,
-        collisions: totals.collisions,
-        explored: totals.explored,
-        chosen: totals.chosen,
-        reward: totals.reward + end.long_term_reward,
-        step_threshold: method.step_threshold(),
-        learning_rate: end.learning_rate,
-        filter_firings: totals.filter_firings,
-        imprinted: end.imprinted,
-        rules: method.rule_count(),
-    };
+    let episode = totals.episode(start.episode, ending, &end, method);
     let after = AfterEpisode {
         method,
         sensor,
@@ -112,5 +99,22 @@ impl Totals {
         self.chosen.count(step.source);
         self.reward += step.credit.short_term_reward;
         self.filter_firings += u32::from(step.credit.filtered.is_some());
+    }
+
+    fn episode(&self, number: u32, ending: Ending, end: &EndCredit, method: &dyn Agent) -> Episode {
+        Episode {
+            episode: number,
+            ending,
+            steps: self.steps,
+            collisions: self.collisions,
+            explored: self.explored,
+            chosen: self.chosen,
+            reward: self.reward + end.long_term_reward,
+            step_threshold: method.step_threshold(),
+            learning_rate: end.learning_rate,
+            filter_firings: self.filter_firings,
+            imprinted: end.imprinted,
+            rules: method.rule_count(),
+        }
     }
 }

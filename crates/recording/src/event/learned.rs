@@ -7,7 +7,7 @@ use foxglove::messages::{
 };
 
 use xcs::{Action, ByAction};
-use xcscr_learner::episode::PolicyMap;
+use xcscr_learner::episode::{PolicyMap, greedy_path};
 use xcscr_robot::world::{Cell, Maze};
 
 /// The bytes of a cell on the topic before the shares of its actions: three numbers of four bytes, and the best actions.
@@ -97,16 +97,9 @@ impl Learned {
             .max(old.difference(&new).count())
     }
 
-    /// Returns the cells of the greedy path from `start`, up to a goal, a wall, an unknown cell or the
-    /// first repeated cell. Ties are broken by the first best action.
+    /// Returns the cells of the [greedy path](greedy_path) from `start`, with ties broken by the first best action.
     pub fn greedy_path(&self, maze: &Maze, start: Cell) -> Vec<Cell> {
-        let (mut path, mut seen) = (Vec::new(), BTreeSet::new());
-        let mut at = Some(start);
-        while let Some(cell) = at.filter(|cell| seen.insert((cell.row, cell.col))) {
-            path.push(cell);
-            at = self.ahead(maze, cell);
-        }
-        path
+        greedy_path(start, |cell| self.ahead(maze, cell))
     }
 
     fn ahead(&self, maze: &Maze, cell: Cell) -> Option<Cell> {
