@@ -6,8 +6,8 @@ use super::settings::Settings;
 use crate::agent::{Agent, Frozen, Knowledge, Method, Misfit, Setup, WithHistory};
 use xcs::bounds::{OutOfRange, within};
 use xcscr_robot::arena::{
-    Arena, ArenaKind, GridArena, Localisation, NoisyPerceptArena, PhysicsArena, PhysicsError,
-    PhysicsParams, SlippingArena, check_fit,
+    Arena, ArenaKind, Disturbances, DisturbedArena, GridArena, Localisation, PhysicsArena,
+    PhysicsError, PhysicsParams, check_fit,
 };
 use xcscr_robot::sensor::{History, Perception, Sensor};
 use xcscr_robot::world::Maze;
@@ -55,15 +55,13 @@ impl Config {
 
     /// Adds slips and observation errors to an arena around a maze, as configured.
     pub(super) fn decorated(&self, arena: Box<dyn Arena>, maze: &Maze) -> Box<dyn Arena> {
-        let (slip, seed) = (self.settings.arena.slip, self.seed);
-        let arena = match slip > 0.0 {
-            true => Box::new(SlippingArena::new(arena, slip, seed)),
-            false => arena,
+        let disturbances = Disturbances {
+            slip: self.settings.arena.slip,
+            flip_probability: self.settings.sensor.flip_probability,
+            width: self.sensor.width(maze),
         };
-        let error = self.settings.sensor.flip_probability;
-        let width = self.sensor.width(maze);
-        match error > 0.0 {
-            true => Box::new(NoisyPerceptArena::new(arena, error, width, seed)),
+        match disturbances.slip > 0.0 || disturbances.flip_probability > 0.0 {
+            true => Box::new(DisturbedArena::new(arena, disturbances, self.seed)),
             false => arena,
         }
     }

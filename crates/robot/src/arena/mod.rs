@@ -4,20 +4,17 @@
 //! what each fact is worth. Two arenas exist: in [`GridArena`] a move is a step from cell to cell,
 //! and in [`PhysicsArena`] a differential-drive robot drives from cell to cell.
 
+mod disturbed;
 mod grid;
 mod kind;
-mod noisy_percepts;
 mod physics;
 mod sensed;
-mod action_slip;
 
 use nalgebra::{Isometry2, Point2, Vector2};
 
-pub use action_slip::ArenaParams;
-pub use action_slip::SlippingArena;
+pub use disturbed::{ArenaParams, Disturbances, DisturbedArena};
 pub use grid::GridArena;
 pub use kind::ArenaKind;
-pub use noisy_percepts::NoisyPerceptArena;
 pub use physics::check_fit;
 pub use physics::{
     Agreement, BumperParams, CautiousDriving, CautiousParams, EncoderParams, EstimatorParams,
