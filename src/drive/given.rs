@@ -2,6 +2,7 @@
 
 use nalgebra::Isometry2;
 
+use super::bag::messages::MAP;
 use super::checks::without_slash;
 use super::fault::Fault;
 use super::mounting::on_floor;
@@ -14,8 +15,6 @@ const AGE_NS: u64 = 1_000_000_000;
 /// A change of the pose from one message to the next by more than this is a jump: in metres, and in
 /// radians.
 const JUMP: [f64; 2] = [0.5, 0.5];
-/// The frame of maps.
-const MAP: &str = "map";
 
 /// Where the pose of the robot comes from.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::bounds::{OutOfRange, within};
 use crate::condition::Condition;
-use crate::learner::{Learned, Xcs};
+use crate::learner::{Xcs, XcsState};
 use crate::params::{GREATEST_POPULATION, Params};
 use crate::population::Population;
 use crate::random::Stream;
@@ -43,7 +43,7 @@ pub struct Agent<C: Representation = Condition> {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "C: Representation")]
 pub struct AgentState<C: Representation = Condition> {
-    learned: Learned<C>,
+    learned: XcsState<C>,
     epsilon_0: f64,
     choices: Stream,
     formed: Option<SavedMatchSet<C>>,

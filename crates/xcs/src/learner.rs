@@ -32,7 +32,7 @@ pub struct Xcs<C: Representation = Condition> {
 /// it bit for bit.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(bound = "C: Representation")]
-pub(crate) struct Learned<C: Representation = Condition> {
+pub(crate) struct XcsState<C: Representation = Condition> {
     population: Population<C>,
     time: u64,
     stream: Stream,
@@ -97,8 +97,8 @@ impl<C: Representation> Xcs<C> {
     }
 
     /// Returns everything that learning has changed so far.
-    pub(crate) fn learned(&self) -> Learned<C> {
-        Learned {
+    pub(crate) fn learned(&self) -> XcsState<C> {
+        XcsState {
             population: self.population.clone(),
             time: self.time,
             stream: self.stream.clone(),
@@ -108,7 +108,7 @@ impl<C: Representation> Xcs<C> {
 
     /// Continues from the state of a learner with the same parameters. Returns `false`, and changes
     /// nothing, if the state cannot come from these parameters.
-    pub(crate) fn resume(&mut self, learned: Learned<C>) -> bool {
+    pub(crate) fn resume(&mut self, learned: XcsState<C>) -> bool {
         let known = |rule: &Classifier<C>| rule.action.index() < self.actions;
         let fits = learned.time <= MOST_STEPS
             && learned.population.micro() <= self.params.population_size

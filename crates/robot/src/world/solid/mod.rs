@@ -112,7 +112,8 @@ impl Solid {
     }
 
     /// Returns true if a point of the grid frame is in a solid pixel.
-    pub fn is_solid_at(&self, point_m: Point2<f64>) -> bool {
+    #[cfg(test)]
+    pub(crate) fn is_solid_at(&self, point_m: Point2<f64>) -> bool {
         let [col, row] = self.pixel_of(self.in_raster(point_m));
         self.is_solid(col, row)
     }
