@@ -11,14 +11,14 @@ const FIRST: &str = "{bar:14} episode {pos}/{len}";
 const TEMPLATE: &str = "{bar:14} episode {pos}/{len}, {msg}, {eta} left";
 
 /// Shows the progress of training if stderr is a terminal. The bar is cleared at the end.
-pub struct Progress {
+pub struct EpisodeProgress {
     bar: ProgressBar,
     best: Option<u32>,
     /// True after the first episode.
     is_under_way: bool,
 }
 
-impl Progress {
+impl EpisodeProgress {
     /// Creates a bar for a number of episodes; `quiet` hides it.
     pub fn of(episodes: u32, quiet: bool) -> Self {
         Self {
@@ -43,7 +43,7 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).expect("the template is valid")
 }
 
-impl Observer for Progress {
+impl Observer for EpisodeProgress {
     fn ended(&mut self, episode: &Episode, _: &AfterEpisode<'_>) -> ControlFlow<()> {
         if !std::mem::replace(&mut self.is_under_way, true) {
             self.bar.set_style(style(TEMPLATE));
@@ -61,7 +61,7 @@ impl Observer for Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for EpisodeProgress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

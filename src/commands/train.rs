@@ -15,7 +15,7 @@ use super::choices::{self, SettingsArgs};
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::output::print_json;
-use super::progress::Progress;
+use super::progress::EpisodeProgress;
 use super::results::Results;
 use super::terminal::say;
 use super::train_report::TrainReport;
@@ -110,7 +110,7 @@ pub fn run(args: &TrainArgs, out: &mut Results) -> Result<(), Failure> {
             (Resumed::Finished(folder), _) => return say_finished(&folder, args.json, out),
         },
     };
-    let mut progress = Progress::of(session.trial().plan().config.episodes, args.quiet);
+    let mut progress = EpisodeProgress::of(session.trial().plan().config.episodes, args.quiet);
     let finished = session.run(&mut progress, &|| interrupt.came());
     drop(progress);
     let Finished {

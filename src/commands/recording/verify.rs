@@ -8,7 +8,7 @@ use xcscr::run::{RecordedRun, Repetition};
 
 use crate::commands::failure::Failure;
 use crate::commands::output::print_json;
-use crate::commands::progress::Progress;
+use crate::commands::progress::EpisodeProgress;
 use crate::commands::results::Results;
 
 /// The result for one recording, as `--json` prints it.
@@ -49,7 +49,7 @@ fn difference(file: &Path, again: &mut Option<Repetition>) -> Result<Option<Stri
         Some(run) => run,
         None => {
             let episodes = source.run.plan.config.episodes;
-            Repetition::new(&source, &mut Progress::of(episodes, false))?
+            Repetition::new(&source, &mut EpisodeProgress::of(episodes, false))?
         }
     };
     Ok(again.insert(run).difference(&source)?)

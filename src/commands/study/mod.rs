@@ -20,7 +20,7 @@ use crate::commands::results::Results;
 use crate::commands::terminal::{file_link, say, write_link};
 use choice::ChoiceArgs;
 use plan::PlanArgs;
-use progress::Progress;
+use progress::StudyProgress;
 use status::Status;
 use task::TaskArgs;
 
@@ -126,7 +126,7 @@ fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
     let shutdown_message = "interrupted in a trial; run the same command again to resume it";
     let interrupt =
         Interrupt::watch(move || Failure::new(ErrorKind::Interrupted, shutdown_message))?;
-    let mut progress = Progress::new(args.quiet, interrupt);
+    let mut progress = StudyProgress::new(args.quiet, interrupt);
     let mut folder = StudyFolder::open(&path, protocol, args.force)?;
     if args.retry_failed {
         folder.retry_failed()?;

@@ -14,13 +14,13 @@ const TEMPLATE: &str = "{bar:30} trial {pos}/{len}, {eta} left";
 
 /// A progress bar on stderr, if stderr is a terminal. The bar is cleared at the end. A signal ends
 /// the study after the running trials.
-pub(super) struct Progress {
+pub(super) struct StudyProgress {
     bar: ProgressBar,
     interrupt: Interrupt,
     finished: Arc<AtomicUsize>,
 }
 
-impl Progress {
+impl StudyProgress {
     pub fn new(quiet: bool, interrupt: Interrupt) -> Self {
         Self {
             bar: bar(0, TEMPLATE, quiet),
@@ -36,7 +36,7 @@ impl Progress {
     }
 }
 
-impl StudyWatcher for Progress {
+impl StudyWatcher for StudyProgress {
     fn begins(&mut self, trials: usize) {
         self.bar.set_length(trials as u64);
         self.bar.reset_eta();
@@ -52,7 +52,7 @@ impl StudyWatcher for Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for StudyProgress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use xcscr::ErrorKind;
 use xcscr::study::StudyFolder;
 
-use super::progress::Progress;
+use super::progress::StudyProgress;
 use crate::commands::failure::Failure;
 use crate::commands::interrupt::Interrupt;
 use crate::commands::terminal::say;
@@ -34,8 +34,8 @@ pub(super) fn run(args: &TaskArgs) -> Result<(), Failure> {
     let finished = Arc::new(AtomicUsize::new(0));
     let counter = finished.clone();
     let shutdown_message = move || interrupted(task, counter.load(Ordering::Relaxed));
-    let mut progress =
-        Progress::new(args.quiet, Interrupt::watch(shutdown_message)?).counting(finished.clone());
+    let mut progress = StudyProgress::new(args.quiet, Interrupt::watch(shutdown_message)?)
+        .counting(finished.clone());
     folder.run_task(task, args.jobs.into(), &mut progress)?;
     drop(progress);
     let finished = finished.load(Ordering::Relaxed);

@@ -28,14 +28,14 @@ impl Mistakes {
 
 /// Counts the perception errors of one episode.
 #[derive(Debug)]
-pub struct Watch {
+pub struct MistakeCounter {
     sensor: Sensor,
     /// The true cell of the robot before the step.
     stood: Option<Cell>,
     found: Mistakes,
 }
 
-impl Watch {
+impl MistakeCounter {
     /// Creates an observer with all counts at 0.
     pub fn new(sensor: Sensor) -> Self {
         Self {
@@ -63,7 +63,7 @@ fn true_cell(view: &View<'_>) -> Option<Cell> {
     cell.filter(|&cell| !view.maze.is_wall(cell))
 }
 
-impl Observer for Watch {
+impl Observer for MistakeCounter {
     fn began(&mut self, _: u32, view: &View<'_>) {
         self.stood = errs(view).then(|| true_cell(view)).flatten();
     }

@@ -8,8 +8,8 @@ mod policy;
 mod run;
 
 pub(crate) use choices::BestChoices;
+pub use mistakes::MistakeCounter;
 pub use mistakes::Mistakes;
-pub use mistakes::Watch;
 pub use observer::{AfterEpisode, Ending, Episode, Observer, Step};
 pub use params::Params;
 pub(crate) use policy::FaultFinder;

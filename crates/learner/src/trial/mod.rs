@@ -36,7 +36,9 @@ pub use warning::Warning;
 pub use why::{Change, WeightedRule, Why};
 
 use crate::agent::{Agent, Chosen, Explorer};
-use crate::episode::{self, BestChoices, Episode, Mistakes, Observer, PolicyMap, Start, Watch};
+use crate::episode::{
+    self, BestChoices, Episode, MistakeCounter, Mistakes, Observer, PolicyMap, Start,
+};
 use xcs::random::Stream;
 use xcscr_robot::arena::Arena;
 use xcscr_robot::streams::StreamName;
@@ -166,7 +168,7 @@ impl Trial {
     pub fn run_episode(&mut self, observer: &mut dyn Observer) -> (Episode, ControlFlow<()>) {
         let start = self.next_start();
         let mut choices = BestChoices::by(self.judge.paths());
-        let mut watch = Watch::new(self.plan.config.sensor);
+        let mut watch = MistakeCounter::new(self.plan.config.sensor);
         let (episode, flow) = episode::run(
             start,
             &mut *self.arena,

@@ -1,7 +1,7 @@
 //! Writing of recordings while episodes run.
 //!
 //! ```text
-//! Observer ─▶ Recorder ─▶ EventSource ─▶ events ─▶ Stream (facts and scenes) ─▶ File (MCAP)
+//! Observer ─▶ Recorder ─▶ EventSource ─▶ events ─▶ MessageStream (facts and scenes) ─▶ File (MCAP)
 //! ```
 
 mod event_source;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::event_source::{EventSource, Timed};
 use super::file::File;
-use super::stream::{Scenery, Stream};
+use super::stream::{MessageStream, Scenery};
 use crate::disk;
 use crate::error::Error;
 use crate::info::{RecordingKind, RunInfo};
@@ -40,8 +40,8 @@ pub struct Recorder {
     layouts: [String; 2],
     events: EventSource,
     scenery: Arc<Scenery>,
-    run: Option<Stream>,
-    episode: Option<Stream>,
+    run: Option<MessageStream>,
+    episode: Option<MessageStream>,
     mode: RecordMode,
     /// True if complete files of episodes are compared and not replaced.
     repeats: bool,
@@ -187,13 +187,13 @@ impl Recorder {
         Ok(())
     }
 
-    fn open_run(&self) -> Result<Stream, Error> {
+    fn open_run(&self) -> Result<MessageStream, Error> {
         let kind = RecordingKind::Run;
         let file = File::create(self.path(kind))?;
         self.introduce(file, kind, &Topic::of_run())
     }
 
-    fn open_episode(&self, episode: u32, view: &View<'_>) -> Result<Stream, Error> {
+    fn open_episode(&self, episode: u32, view: &View<'_>) -> Result<MessageStream, Error> {
         let kind = RecordingKind::Episode(episode);
         let path = self.path(kind);
         let file = match self.repeats && path.is_file() {
@@ -214,7 +214,7 @@ impl Recorder {
         mut file: File,
         kind: RecordingKind,
         topics: &[Topic],
-    ) -> Result<Stream, Error> {
+    ) -> Result<MessageStream, Error> {
         let (info, time_ns) = (&self.info, self.clock_ns);
         file.metadata("run", info.metadata(&self.world, self.mode, kind))?;
         file.attach("world.json", time_ns, &info.world_json)?;
@@ -224,7 +224,7 @@ impl Recorder {
             file.attach("foxglove-layout.json", time_ns, layout)?;
         }
         file.declare(topics)?;
-        Ok(Stream::new(file, kind, Arc::clone(&self.scenery)))
+        Ok(MessageStream::new(file, kind, Arc::clone(&self.scenery)))
     }
 
     fn begin(&mut self, episode: u32, view: &View<'_>) -> Result<(), Error> {

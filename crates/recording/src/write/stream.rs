@@ -27,7 +27,7 @@ pub(super) struct Scenery {
 }
 
 /// A file of a recording. Each file has its own drawings.
-pub(super) struct Stream {
+pub(super) struct MessageStream {
     file: File,
     is_episode: bool,
     scenery: Arc<Scenery>,
@@ -68,7 +68,7 @@ impl Scenery {
     }
 }
 
-impl Stream {
+impl MessageStream {
     /// Writes to a file whose topics are declared.
     pub fn new(file: File, kind: RecordingKind, scenery: Arc<Scenery>) -> Self {
         Self {
