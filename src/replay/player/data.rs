@@ -9,9 +9,9 @@ use super::chapters::Chapter;
 use super::episodes::{self, PackedEpisode};
 use super::world::World;
 use crate::Error;
-use crate::record::event::{Begin, Contact, Curve, Learned, Localisation, Perceived};
+use crate::record::event::{Begin, Contact, Curve, Learned, Localisation};
 use crate::record::reader::Recording;
-use crate::world::Maze;
+use crate::world::{CellState, Maze};
 
 /// The greatest level of rank and nearness on the page.
 const LEVELS: f32 = 20.0;
@@ -35,7 +35,7 @@ pub struct Data {
     /// CSS colours of action values below and above 0.
     pub value_colours: [String; 2],
     /// The CSS colours of perceived cells.
-    pub percept_colours: BTreeMap<Perceived, String>,
+    pub percept_colours: BTreeMap<CellState, String>,
     /// Time, x, y and heading in the map frame, in seconds, metres and radians.
     pub poses: Vec<[f64; 4]>,
     /// The same of the estimated pose.
@@ -93,7 +93,7 @@ pub struct Choice {
     pub left: u32,
     pub values: Vec<Option<f64>>,
     /// The perceived cells, clockwise from north.
-    pub perceived: Vec<Perceived>,
+    pub perceived: Vec<CellState>,
 }
 
 /// The learned policy: for each cell of the maze, the northern row first, the best actions as bits, and

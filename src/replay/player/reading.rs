@@ -8,13 +8,13 @@ use super::world::World;
 use crate::Error;
 use crate::picture::css;
 use crate::record::colours::{ABOVE, BELOW, NO_GOAL, SCALE};
-use crate::record::event::{Contact, Curve, Decision, End, Learned, Perceived, StepOutcome};
+use crate::record::event::{Contact, Curve, Decision, End, Learned, StepOutcome};
 use crate::record::info::{self, RADIUS, RunKind};
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::{decimal, decoded, percept};
 use crate::record::{RobotShape, Topic, fault};
 use crate::sensor::Sensor;
-use crate::world::{Cell, Maze};
+use crate::world::{Cell, CellState, Maze};
 use xcs::Action;
 
 /// The topics with the facts of a page.
@@ -90,7 +90,7 @@ impl Reader {
             arrow_colours: SCALE.map(css),
             no_goal_colour: css(NO_GOAL),
             value_colours: [BELOW, ABOVE].map(css),
-            percept_colours: Perceived::VARIANTS
+            percept_colours: CellState::VARIANTS
                 .iter()
                 .map(|&kind| (kind, css(percept::colour(kind))))
                 .collect(),

@@ -2,13 +2,13 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use strum::VariantArray;
 
 use crate::topics::to_parts;
 use xcs::Action;
 use xcscr_learner::agent::DecisionSource;
 use xcscr_learner::episode::Step;
 use xcscr_robot::sensor::Sensor;
+use xcscr_robot::world::CellState;
 
 /// The name of the action where the agent sets the speeds of the wheels.
 const WHEELS: &str = "wheels";
@@ -86,30 +86,9 @@ impl Decision {
 impl Decision {
     /// Returns the eight cells around the robot as it perceives them, clockwise from north; `None`
     /// if the sensor does not perceive them.
-    pub fn perceived(&self, sensor: Sensor) -> Option<[Perceived; 8]> {
-        let bits = self.percept.as_bytes();
-        if !sensor.begins_with_neighbours() || bits.len() < 16 {
-            return None;
-        }
-        let kind = |at: usize| match (bits[2 * at], bits[2 * at + 1]) {
-            (b'1', _) => Perceived::Goal,
-            (_, b'1') => Perceived::Wall,
-            _ => Perceived::Free,
-        };
-        Some([0, 1, 2, 3, 4, 5, 6, 7].map(kind))
+    pub fn perceived(&self, sensor: Sensor) -> Option<[CellState; 8]> {
+        sensor.cells_around(&self.percept.parse().ok()?)
     }
-}
-
-/// A cell as the robot perceives it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, VariantArray)]
-#[serde(rename_all = "kebab-case")]
-pub enum Perceived {
-    /// A free cell.
-    Free,
-    /// A wall, or a barred move.
-    Wall,
-    /// A goal cell.
-    Goal,
 }
 
 /// Returns the name of an action of a step.

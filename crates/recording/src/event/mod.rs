@@ -13,7 +13,7 @@ mod pose;
 
 pub use contact::Contact;
 pub use curve::Curve;
-pub use decision::{Decision, Perceived};
+pub use decision::Decision;
 pub use episode::{Begin, End, Outlook};
 pub use learned::Learned;
 pub use localisation::Localisation;

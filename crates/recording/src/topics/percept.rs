@@ -6,9 +6,9 @@ use nalgebra::Point2;
 use strum::VariantArray;
 
 use super::scene::{GRID, color, entity, indices_by_four, lines, place, square, update};
-use crate::event::{Decision, Perceived};
+use crate::event::Decision;
 use xcscr_robot::sensor::Sensor;
-use xcscr_robot::world::{Cell, Direction, Maze};
+use xcscr_robot::world::{Cell, CellState, Direction, Maze};
 
 /// The distance of a frame from the middle of its cell, in cells (a fraction that takes few bytes),
 /// and its height above all walls.
@@ -18,11 +18,11 @@ const HEIGHT: f64 = 0.28;
 const THICK: f64 = 0.045;
 
 /// Returns the colour of a perceived cell.
-pub fn colour(kind: Perceived) -> u32 {
+pub fn colour(kind: CellState) -> u32 {
     match kind {
-        Perceived::Free => 0x0a6fc2,
-        Perceived::Wall => 0xff8c1a,
-        Perceived::Goal => 0x22e06a,
+        CellState::Free => 0x0a6fc2,
+        CellState::Wall => 0xff8c1a,
+        CellState::Goal => 0x22e06a,
     }
 }
 
@@ -42,7 +42,7 @@ pub(crate) fn perceived_cells(
         col: decision.col,
         row: decision.row,
     };
-    let frames = Perceived::VARIANTS
+    let frames = CellState::VARIANTS
         .iter()
         .map(|&kind| (kind, corners(maze, &around, kind)));
     let shown = frames.filter(|(_, corners)| !corners.is_empty());
@@ -59,7 +59,7 @@ pub(crate) fn scene(perceived_cells: SceneEntity, estimate: Vec<SceneEntity>) ->
 
 /// Returns the corners of the frames of all cells of a kind, four for each. They are relative to
 /// the robot's cell: they are the same for every position and compress well.
-fn corners(maze: &Maze, cells: &[Perceived; 8], kind: Perceived) -> Vec<Point3> {
+fn corners(maze: &Maze, cells: &[CellState; 8], kind: CellState) -> Vec<Point3> {
     let unit = maze.cell_size_m();
     let around = Direction::CLOCKWISE.iter().zip(cells);
     let of_kind = around.filter(|(_, perceived)| **perceived == kind);

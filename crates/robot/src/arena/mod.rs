@@ -54,7 +54,8 @@ pub struct Sample {
     pub wheel_travel_m: [f64; 2],
 }
 
-/// A collision with a wall.
+/// A collision with a wall, as it is recorded and drawn. [`Outcome::Collided`] does not follow from it, but from the
+/// bumpers, or from the true pushes if the pose is looked up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     /// Simulation time since the trial began, in nanoseconds.

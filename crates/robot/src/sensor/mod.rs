@@ -26,7 +26,7 @@ use strum::{IntoStaticStr, VariantArray};
 pub use words::{ANYTHING, Alleles, Demands};
 
 use crate::arena::{ArenaKind, LocalMap, View};
-use crate::world::{Cell, Direction, Maze, Paths};
+use crate::world::{Cell, CellState, Direction, Maze, Paths};
 use xcs::{Layout, Percept};
 
 /// The encodings of what the robot perceives as a percept (`--sensor`). Devices, such as the
@@ -153,6 +153,13 @@ impl Sensor {
         )
     }
 
+    /// Returns the states of the eight cells around the robot that a percept shows, clockwise from north; `None` if
+    /// the sensor does not show them.
+    pub fn cells_around(self, percept: &Percept) -> Option<[CellState; 8]> {
+        let shows = self.begins_with_neighbours() && percept.width() >= neighbours::WIDTH;
+        shows.then(|| neighbours::cells(percept))
+    }
+
     /// Returns every percept that occurs in the middle of a free, non-goal cell of a maze, each
     /// once, in order.
     pub fn percepts(self, maze: &Maze) -> Vec<Percept> {
@@ -270,6 +277,11 @@ mod tests {
             };
             let begins = shows(Sensor::Neighbours) || shows(Sensor::Lidar);
             assert_eq!(sensor.begins_with_neighbours(), begins, "{sensor:?}");
+        }
+        let sensor = Sensor::NeighboursPosition;
+        for cell in maze.free_cells() {
+            let shown = sensor.cells_around(&sensor.perceive_at(&maze, cell));
+            assert_eq!(shown, Some(maze.around(cell)), "{cell:?}");
         }
     }
 

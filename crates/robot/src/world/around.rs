@@ -1,11 +1,15 @@
 //! The eight cells around a cell.
 
+use serde::Serialize;
+use strum::VariantArray;
+
 use super::direction::Direction;
 use super::maze::{Cell, Maze};
 
-/// The content of a cell; cells beyond a border are walls.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Content {
+/// The state of a cell; cells beyond a border are walls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, VariantArray)]
+#[serde(rename_all = "kebab-case")]
+pub enum CellState {
     /// A free cell.
     Free,
     /// A wall.
@@ -15,8 +19,8 @@ pub enum Content {
 }
 
 impl Maze {
-    /// Returns the contents of the eight cells around a cell, clockwise from north.
-    pub fn around(&self, cell: Cell) -> [Content; 8] {
+    /// Returns the states of the eight cells around a cell, clockwise from north.
+    pub fn around(&self, cell: Cell) -> [CellState; 8] {
         let is_at_border = |at: u16, size: u16| at == 0 || at + 1 >= size;
         // Edges may join, walls of a map may bar moves, and only few cells are near a goal: these
         // cells are looked up one by one.
@@ -26,9 +30,9 @@ impl Maze {
             || self.has_goal_in_rows(cell.row - 1, cell.row + 1)
         {
             return Direction::CLOCKWISE.map(|direction| match self.step(cell, direction) {
-                None => Content::Wall,
-                Some(next) if self.is_goal(next) => Content::Goal,
-                Some(_) => Content::Free,
+                None => CellState::Wall,
+                Some(next) if self.is_goal(next) => CellState::Goal,
+                Some(_) => CellState::Free,
             });
         }
         let (at, width) = (self.index(cell), usize::from(self.width));
@@ -44,8 +48,8 @@ impl Maze {
             north - 1,
         ];
         clockwise.map(|at| match self.walls[at] {
-            true => Content::Wall,
-            false => Content::Free,
+            true => CellState::Wall,
+            false => CellState::Free,
         })
     }
 
@@ -60,11 +64,11 @@ mod tests {
     use super::*;
 
     /// Looks up cell by cell, as a robot would step there.
-    fn stepped(maze: &Maze, cell: Cell) -> [Content; 8] {
+    fn stepped(maze: &Maze, cell: Cell) -> [CellState; 8] {
         Direction::CLOCKWISE.map(|direction| match maze.step(cell, direction) {
-            None => Content::Wall,
-            Some(next) if maze.is_goal(next) => Content::Goal,
-            Some(_) => Content::Free,
+            None => CellState::Wall,
+            Some(next) if maze.is_goal(next) => CellState::Goal,
+            Some(_) => CellState::Free,
         })
     }
 
@@ -85,7 +89,7 @@ mod tests {
                 found.extend(around);
             }
             // Control: every content occurs.
-            for content in [Content::Free, Content::Wall, Content::Goal] {
+            for content in [CellState::Free, CellState::Wall, CellState::Goal] {
                 assert!(found.contains(&content), "{content:?}");
             }
         }

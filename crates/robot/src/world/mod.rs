@@ -26,7 +26,7 @@ mod solid;
 mod starts;
 
 pub use action_slip::each_other;
-pub use around::Content;
+pub use around::CellState;
 pub use bundled::{bundled_world, bundled_worlds};
 pub use direction::{Direction, Moves};
 pub use error::WorldError;
