@@ -3,22 +3,28 @@
  *     d PERCEPT               the action, -1 for none
  *     c X Y                   the cell of a point
  *     p COLUMN ROW            the middle of a cell
- *     m COLUMN ROW            the percept in a cell of the map in the first argument
+ *     m COLUMN ROW            the percept in a cell of the map in the first argument, in a maze
+ *     x X Y                   the percept of a point in a world from a map
  *     b X Y COSINE SINE       begins a scan at a pose
  *     v X Y COSINE SINE       moves the robot
  *     a COSINE SINE RANGE     adds a beam; the range is infinite if nothing came back
  *     q                       the percept after the scan
+ *     o                       the open actions after the scan as bits, in a world from a map
  */
 #include "policy.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
+#if defined(XCSCR_CLEAR_RADIUS_M)
+#define IS_FROM_MAP
+#else
 static uint8_t look_up(void *user, uint16_t column, uint16_t row)
 {
     const char letter = ((const char *)user)[row * XCSCR_COLUMNS + column];
     return letter == '#' ? XCSCR_CELL_WALL : letter == 'G' ? XCSCR_CELL_GOAL : XCSCR_CELL_FREE;
 }
+#endif
 
 static void show(const xcscr_word *percept)
 {
@@ -52,11 +58,11 @@ int main(int count, char **arguments)
     uint16_t row;
     double x;
     double y;
-#if defined(XCSCR_SCAN_REACH)
+#if defined(XCSCR_SCAN_REACH) || defined(IS_FROM_MAP)
     static struct xcscr_scan scan;
 #endif
     int word;
-    if (count != 2) {
+    if (count != 2 || !arguments[1]) {
         return 1;
     }
     while (scanf(" %c %" SCNx64 " %" SCNx64 " %" SCNx64 " %" SCNx64, &command, n, n + 1, n + 2, n + 3) == 5) {
@@ -72,11 +78,24 @@ int main(int count, char **arguments)
             xcscr_pose_of_cell((uint16_t)n[0], (uint16_t)n[1], &x, &y);
             printf("%016" PRIx64 " %016" PRIx64 "\n", bits(x), bits(y));
             break;
+#if defined(IS_FROM_MAP)
+        case 'x':
+            if (xcscr_percept(real(n[0]), real(n[1]), 0, percept)) {
+                show(percept);
+            } else {
+                puts("outside");
+            }
+            break;
+        case 'o':
+            printf("%u\n", (unsigned)xcscr_open_actions(&scan));
+            break;
+#else
         case 'm':
             xcscr_percept_from_map((uint16_t)n[0], (uint16_t)n[1], look_up, arguments[1], percept);
             show(percept);
             break;
-#if defined(XCSCR_SCAN_REACH)
+#endif
+#if defined(XCSCR_SCAN_REACH) || defined(IS_FROM_MAP)
         case 'b':
             xcscr_scan_begin(&scan, real(n[0]), real(n[1]), real(n[2]), real(n[3]));
             break;

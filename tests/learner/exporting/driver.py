@@ -43,6 +43,13 @@ for line in sys.stdin:
         scan.add(x, y, cosine)
     elif command == "q":
         show(scan.percept())
+    elif command == "o":
+        print(sum(1 << at for at in scan.open_actions()))
+    elif command == "x":
+        try:
+            show(policy.percept(x, y))
+        except ValueError:
+            print("outside")
     elif command == "w":
         ranges = [sine, *ranges]
         show(policy.percept_from_scan(x, y, cosine, ranges, 0.0, 2.0 * math.pi / len(ranges)))

@@ -1,16 +1,14 @@
 //! The whole way: a map is converted and learned, and the exported policy drives in its pixels.
 
-use std::fs;
-use std::process::Command;
-
 use xcscr::agent::Method;
 use xcscr::episode::{Observer, Step};
 use xcscr::export::Target;
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Evaluation, Plan, RobotProfile, Settings};
 use xcscr::world::{Cell, Maze};
+use xcscr::xcs::Percept;
 
-use super::program::{compile_c, fed};
+use super::program::{Program, Questions};
 use super::text;
 use crate::kit::flat::{self, Flat};
 use crate::learner::learned::{Learned, learned};
@@ -40,43 +38,83 @@ fn path(learned: &Learned) -> Vec<Cell> {
     path
 }
 
-/// The cells to which a disc comes among the pixels of the flat, and the number of contacts.
-fn driven(header: &str, radius_m: f64) -> (Vec<Cell>, u32) {
-    let folder = tempfile::tempdir().unwrap();
-    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
-    let [width, height] = flat::SIZE;
-    let middle = |number: usize| (number as f64 + 0.5) * flat::PIXEL_M;
-    let letter = |col, row| match flat::is_solid(middle(col), middle(row)) {
-        true => '#',
-        false => '.',
-    };
-    let row = |row| (0..width).map(|col| letter(col, row)).collect::<String>();
-    let rows: Vec<String> = (0..height).map(|at| format!("{:?}", row(at))).collect();
-    let constants = [
-        format!("#define WIDTH {width}\n#define HEIGHT {height}\n"),
-        format!(
-            "#define PIXEL_M {}\n#define RADIUS_M {radius_m}\n",
-            flat::PIXEL_M
-        ),
-        format!(
-            "static const char *pixels[HEIGHT] = {{{}}};\n",
-            rows.join(",\n")
-        ),
-    ];
-    write("pixels.h", &constants.concat());
-    write("policy.h", header);
-    write("driver.c", include_str!("pixels.c"));
-    compile_c(folder.path(), "driver.c");
-    let printed = fed(&mut Command::new(folder.path().join("driver")), Vec::new());
-    let printed = String::from_utf8(printed).unwrap();
-    let mut lines: Vec<&str> = printed.lines().collect();
-    let contacts = lines.pop().unwrap().parse().unwrap();
-    let cell = |line: &&str| {
-        let mut numbers = line.split(' ').map(|number| number.parse().unwrap());
-        let (col, row) = (numbers.next().unwrap(), numbers.next().unwrap());
-        Cell { col, row }
-    };
-    (lines.iter().map(cell).collect(), contacts)
+/// The edge of a disc's parts and the length of a part of a beam, in metres.
+const FINE_M: f64 = 0.01;
+
+/// Returns true if a disc has a point in a solid pixel.
+fn touches([x, y]: [f64; 2], radius_m: f64) -> bool {
+    let parts = (radius_m / FINE_M) as i32;
+    let offsets = || (-parts..=parts).map(|part| f64::from(part) * FINE_M);
+    let points = offsets().flat_map(|north| offsets().map(move |east| (east, north)));
+    points
+        .filter(|(east, north)| east.hypot(*north) <= radius_m)
+        .any(|(east, north)| flat::is_solid(x + east, y + north))
+}
+
+/// Returns the range of a beam; infinite if nothing came back.
+fn range_m([x, y]: [f64; 2], [cosine, sine]: [f64; 2]) -> f64 {
+    let ranges = (0..350).map(|part| f64::from(part) * FINE_M);
+    let mut hits = ranges.filter(|far| flat::is_solid(x + far * cosine, y + far * sine));
+    hits.next().unwrap_or(f64::INFINITY)
+}
+
+/// Returns the action that a program chooses after a scan in all directions; -1 for none.
+fn decided(program: &Program, [x, y]: [f64; 2]) -> i16 {
+    let mut scan = Questions::default();
+    scan.say('b', &[x, y, 1.0, 0.0]);
+    for beam in 0..360 {
+        let (sine, cosine) = f64::from(beam).to_radians().sin_cos();
+        scan.say('a', &[cosine, sine, range_m([x, y], [cosine, sine])]);
+    }
+    scan.ask('q', &[]);
+    let percept: Percept = program.answers(&scan)[0].parse().unwrap();
+    let mut decision = Questions::default();
+    decision.ask('d', &percept.words()[..1]);
+    program.answers(&decision)[0].parse().unwrap()
+}
+
+/// Returns the middle of a cell, in metres.
+fn middle_m(program: &Program, cell: Cell) -> [f64; 2] {
+    let mut question = Questions::default();
+    question.of('p', cell);
+    let answer = program.answers(&question).remove(0);
+    let (x, y) = answer.split_once(' ').unwrap();
+    [x, y].map(|bits| f64::from_bits(u64::from_str_radix(bits, 16).unwrap()))
+}
+
+/// Returns the cell of a point.
+fn cell_at(program: &Program, at_m: [f64; 2]) -> Cell {
+    let mut question = Questions::default();
+    question.say('c', &at_m);
+    let answer = program.answers(&question).remove(0);
+    let (col, row) = answer.split_once(' ').unwrap();
+    let [col, row] = [col, row].map(|number| number.parse().unwrap());
+    Cell { col, row }
+}
+
+/// An independent kinematic simulation: a disc drives among the pixels of the flat as an exported policy decides.
+/// Returns the cells that it comes to, and the number of times that it touched something.
+fn driven(learned: &Learned, radius_m: f64) -> (Vec<Cell>, usize) {
+    const STEPS: [[f64; 2]; 4] = [[0.0, 1.0], [1.0, 0.0], [0.0, -1.0], [-1.0, 0.0]];
+    let maze = &learned.plan.maze;
+    let program = Program::new(Target::C99, &text(learned, Target::C99));
+    let mut at_m = middle_m(&program, maze.start().unwrap());
+    let (mut cells, mut contacts) = (Vec::new(), 0);
+    while !cells.last().is_some_and(|&cell| maze.is_goal(cell)) && cells.len() < 100 {
+        let Ok(action) = usize::try_from(decided(&program, at_m)) else {
+            break;
+        };
+        for _ in 0..100 {
+            for (at_m, step) in at_m.iter_mut().zip(STEPS[action]) {
+                *at_m += 0.01 * maze.cell_size_m() * step;
+            }
+            contacts += usize::from(touches(at_m, radius_m));
+        }
+        let cell = cell_at(&program, at_m);
+        at_m = middle_m(&program, cell);
+        cells.push(cell);
+    }
+    (cells, contacts)
 }
 
 #[test]
@@ -86,11 +124,11 @@ fn a_policy_learned_in_a_map_drives_in_its_pixels_as_in_the_simulator() {
     let mut trial = learned.plan.clone().run().unwrap();
     let evaluated = Evaluation::after(&mut trial, 3).unwrap();
     assert!(evaluated.is_optimal(), "{evaluated:?}");
-    let (cells, contacts) = driven(&text(&learned, Target::C99), 0.105);
+    let (cells, contacts) = driven(&learned, 0.105);
     assert_eq!(cells, path(&learned));
     assert!(learned.plan.maze.is_goal(*cells.last().unwrap()));
     assert_eq!(contacts, 0);
-    let (_, contacts) = driven(&text(&learned, Target::C99), 0.35);
+    let (_, contacts) = driven(&learned, 0.35);
     assert!(contacts > 0, "control: a larger disc touches something");
 }
 
