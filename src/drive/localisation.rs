@@ -9,6 +9,7 @@ use nalgebra::{Isometry2, Matrix3, UnitComplex, Vector2};
 use xcscr_sensing::{Return, cast};
 
 use super::fault::Mislocalised;
+use crate::arena::beam_tolerance_m;
 use crate::world::Maze;
 
 /// The maximum standard deviation of the position, as a share of a cell.
@@ -16,10 +17,6 @@ const UNSURE: f64 = 0.25;
 /// The number of steps with a larger deviation that is a fault: half a second. Beams that disagree with the
 /// walls, as in front of a box, raise the deviation until others agree.
 const UNSURE_STEPS: u32 = 10;
-/// A beam disagrees if it ends farther than this from the wall: a share of a cell plus a share of
-/// the range.
-const OFF_CELL: f64 = 0.2;
-const OFF_RANGE: f64 = 0.05;
 /// The share of disagreeing beams that makes a turn bad.
 const DISAGREEING: f64 = 0.4;
 /// The least number of compared beams of a turn that says anything. In a hall that is larger than the
@@ -102,9 +99,9 @@ impl Localisation {
             let heading = before.rotation * UnitComplex::new(beam.moment * turned_rad);
             let direction = (heading * beam.bearing) * Vector2::x();
             let wall_m = cast(maze, origin, direction, range_max_m).unwrap_or(range_max_m);
-            let off_m = OFF_CELL * maze.cell_size_m() + OFF_RANGE * wall_m;
             self.compared += 1;
-            self.disagreeing += u32::from((range_m - wall_m).abs() > off_m);
+            self.disagreeing +=
+                u32::from((range_m - wall_m).abs() > beam_tolerance_m(maze, wall_m));
         }
         if self.seen < self.beams {
             return None;

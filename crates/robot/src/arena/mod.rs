@@ -19,7 +19,7 @@ pub use physics::check_fit;
 pub use physics::{
     Agreement, BumperParams, CautiousDriving, CautiousParams, EncoderParams, EstimatorParams,
     FaultParams, GyroParams, LidarParams, Localisation, Measured, Now, PhysicsArena, PhysicsError,
-    PhysicsParams, Pilot, Robot, Speeds, WheelDrive, rolled_by,
+    PhysicsParams, Pilot, Robot, Speeds, WheelDrive, beam_tolerance_m, rolled_by,
 };
 pub use sensed::{Beam, Estimate, LocalMap, Sensed};
 

@@ -10,10 +10,11 @@ use crate::world::{Cell, Maze};
 
 /// The largest number of cells in which the robot is put down.
 const MOST_PLACES: usize = 500;
-/// A beam is off if it ends farther than this from the wall: a share of a cell plus a share of the
-/// range.
-const OFF_CELL: f64 = 0.2;
-const OFF_RANGE: f64 = 0.05;
+/// Returns the distance in metres from a wall at a range of `wall_m` above which a beam is off: a
+/// share of a cell plus a share of the range.
+pub fn beam_tolerance_m(maze: &Maze, wall_m: f64) -> f64 {
+    0.2 * maze.cell_size_m() + 0.05 * wall_m
+}
 
 /// What a robot without noise senses where it is put down, compared with the world.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -84,9 +85,8 @@ impl Agreement {
             let direction = (pose.rotation * beam.bearing) * Vector2::x();
             let origin = pose.translation.vector;
             let wall_m = cast(maze, origin, direction, range_max_m).unwrap_or(range_max_m);
-            let off_m = OFF_CELL * maze.cell_size_m() + OFF_RANGE * wall_m;
             self.beams += 1;
-            self.beams_off += u32::from((range_m - wall_m).abs() > off_m);
+            self.beams_off += u32::from((range_m - wall_m).abs() > beam_tolerance_m(maze, wall_m));
         }
     }
 }

@@ -44,7 +44,7 @@ mod wheels;
 
 use nalgebra::{Isometry2, Vector2};
 
-pub use agreement::Agreement;
+pub use agreement::{Agreement, beam_tolerance_m};
 pub use cautious::{CautiousDriving, CautiousParams};
 pub use error::PhysicsError;
 pub use fit::check_fit;

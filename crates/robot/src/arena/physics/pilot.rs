@@ -54,9 +54,10 @@ struct Action {
 /// reason an action is over only once the readings of its end are processed
 /// ([`has_seen`](Self::has_seen)). All poses are in the grid frame, in metres.
 ///
-/// Two facts come from the driver, because robots differ in them. A robot without a bumper
-/// sees obstacles early, and the driver calls [`back_off`](Self::back_off). Whether a robot is in a goal
-/// is known by a marker on the floor in the arena, and by the map on a real robot.
+/// Arena and `drive` differ where their robots do. A real robot has no bumper here, so `drive` looks for
+/// obstacles in the scans and calls [`back_off`](Self::back_off). It has no sensor for the marker of a
+/// goal, so [`end`](Self::end) hears from the map whether it is in one. And only the arena's motors
+/// accelerate gently while wheels slip.
 pub struct Pilot {
     localiser: Localiser,
     params: PhysicsParams,
