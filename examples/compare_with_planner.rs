@@ -138,7 +138,7 @@ fn drive(
             .translation
             .vector
             .norm();
-        touched += u32::from(robot.impulse_ns() > 0.0);
+        touched += u32::from(robot.impulse_n_s() > 0.0);
         last = robot.true_pose();
         let readings = Readings {
             scans: arrived.scan.into_iter().collect(),

@@ -98,7 +98,7 @@ impl Robot {
     /// Returns the total impulse of the collisions during the last action, in newton-seconds.
     #[getter]
     fn collision_impulse(&self) -> f64 {
-        self.arena().view().impulse_ns()
+        self.arena().view().impulse_n_s()
     }
 
     /// Returns the length of the shortest path from a cell to a goal, in moves; `None` if there is

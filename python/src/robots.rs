@@ -88,7 +88,7 @@ impl Robots {
             pose.translation.x,
             pose.translation.y,
             pose.rotation.angle(),
-            view.impulse_ns(),
+            view.impulse_n_s(),
             distance,
         ];
         (self.plan.config.sensor.perceive(&view), facts)

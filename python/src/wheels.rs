@@ -57,7 +57,7 @@ impl Wheels {
     fn step(&self, left: f64, right: f64) -> (bool, f64) {
         let mut drive = self.drive();
         drive.step([left, right]);
-        (drive.has_arrived(), drive.impulse_ns())
+        (drive.has_arrived(), drive.impulse_n_s())
     }
 
     /// Returns the distances to the nearest wall in metres, at most `limit`, counter-clockwise from

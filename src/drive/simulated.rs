@@ -99,8 +99,8 @@ impl SimulatedRobot {
     }
 
     /// Returns the total impulse of the collisions during the last step, in newton-seconds.
-    pub fn impulse_ns(&self) -> f64 {
-        self.robot.impulse_ns()
+    pub fn impulse_n_s(&self) -> f64 {
+        self.robot.impulse_n_s()
     }
 
     /// Simulates 50 ms.

@@ -9,7 +9,7 @@ use xcscr::xcs::{
     self, Action, GaClock, MatchSet, Percept, RateScope, SubsumerTies, UpdateOrder, Xcs,
 };
 
-const BUMP: Outcome = Outcome::Collided { impulse_ns: None };
+const BUMP: Outcome = Outcome::Collided { impulse_n_s: None };
 
 fn percept(bits: &str) -> Percept {
     bits.parse().unwrap()

@@ -76,7 +76,7 @@ fn add_to_digest(arena: &PhysicsArena, hash: &mut FnvHasher) {
     }
     for hit in view.contacts {
         let (point, normal) = (hit.point_in_map, hit.normal_in_map);
-        let numbers = [point.x, point.y, normal.x, normal.y, hit.impulse_ns];
+        let numbers = [point.x, point.y, normal.x, normal.y, hit.impulse_n_s];
         mix(hit.time_ns, &numbers);
     }
     if let Some(sensed) = view.sensed {
@@ -166,10 +166,10 @@ fn check_step(arena: &dyn Arena, outcome: Outcome, from: Cell, clock_ns: u64, st
     let is_goal = view.maze.is_goal(view.cell);
     let is_kept = match outcome {
         Outcome::Moved => view.cell != from && !is_goal,
-        Outcome::Collided { impulse_ns } => {
+        Outcome::Collided { impulse_n_s } => {
             view.cell == from
-                && impulse_ns.is_none_or(|impulse| impulse > 0.0)
-                && impulse_ns.is_some() != view.contacts.is_empty()
+                && impulse_n_s.is_none_or(|impulse| impulse > 0.0)
+                && impulse_n_s.is_some() != view.contacts.is_empty()
         }
         Outcome::ReachedGoal => is_goal,
         // No time is short here.
@@ -256,13 +256,13 @@ fn the_impulse_of_a_hit_is_mass_times_speed() {
     let mut robot = arena(maze("maze6"), &noise(1.0), 4);
     let mut ratios: Vec<f64> = Vec::new();
     for action in script(4, 2_000) {
-        if let Outcome::Collided { impulse_ns } = robot.act(action) {
+        if let Outcome::Collided { impulse_n_s } = robot.act(action) {
             let trace = robot.view().trace;
             let hit_ns = robot.view().contacts[0].time_ns;
             let hit = trace.iter().position(|s| s.time_ns == hit_ns).unwrap();
             let rolled = |i: usize| trace[i].wheel_travel_m.iter().sum::<f64>() / 2.0;
             let speed_mps = (rolled(hit) - rolled(hit - 1)).abs() / 0.05;
-            ratios.push(impulse_ns.unwrap() / (mass_kg * speed_mps));
+            ratios.push(impulse_n_s.unwrap() / (mass_kg * speed_mps));
         }
         restart_in_goal(&mut robot);
     }

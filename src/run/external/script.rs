@@ -109,10 +109,10 @@ impl Arena for ScriptedWheels {
         if self.drive.has_arrived() {
             return Outcome::ReachedGoal;
         }
-        match self.drive.impulse_ns() {
+        match self.drive.impulse_n_s() {
             0.0 => Outcome::Moved,
             impulse => Outcome::Collided {
-                impulse_ns: Some(impulse),
+                impulse_n_s: Some(impulse),
             },
         }
     }

@@ -10,11 +10,11 @@ use crate::kit::flat::Flat;
 fn it_drives_to_the_goal_among_the_true_walls_of_a_map() {
     let maze = Flat::new().gridded(0.5).maze;
     let mut rig = burger_in(maze, 1, DriveOptions::default());
-    let (step, decisions, impulse_ns) = drive(&mut rig);
+    let (step, decisions, impulse_n_s) = drive(&mut rig);
     assert_eq!(step.phase, Phase::AtGoal, "{step:?}");
     assert!(rig.robot.is_at_goal());
     assert!(decisions.len() > 8, "control: {}", decisions.len());
-    assert_eq!(impulse_ns, 0.0);
+    assert_eq!(impulse_n_s, 0.0);
 }
 
 /// Adds a disc to a scan, like the legs of a person. `middle` is in the frame of the lidar, in metres.

@@ -143,15 +143,15 @@ impl Rig {
 
 /// Drives to the end. Returns the last step, the decisions, and the total impulse of all collisions.
 fn drive(rig: &mut Rig) -> (DriverStep, Vec<Decision>, f64) {
-    let (mut decisions, mut impulse_ns) = (Vec::new(), 0.0);
+    let (mut decisions, mut impulse_n_s) = (Vec::new(), 0.0);
     for _ in 0..12_000 {
         let step = rig.tick(|_| ());
-        impulse_ns += rig.robot.impulse_ns();
+        impulse_n_s += rig.robot.impulse_n_s();
         decisions.extend(step.decision.clone());
         let is_over = matches!(step.phase, Phase::AtGoal | Phase::OutOfSteps);
         let has_failed = step.faults.iter().any(Fault::is_final);
         if is_over || has_failed {
-            return (step, decisions, impulse_ns);
+            return (step, decisions, impulse_n_s);
         }
     }
     panic!("not over after 10 minutes");
@@ -162,11 +162,11 @@ fn it_drives_to_the_goal_by_messages_alone_on_a_shortest_path() {
     let mut touched = 0;
     for seed in 1..=20 {
         let mut rig = Rig::new(maze4(), seed, DriveOptions::default());
-        let (step, decisions, impulse_ns) = drive(&mut rig);
+        let (step, decisions, impulse_n_s) = drive(&mut rig);
         assert_eq!(step.phase, Phase::AtGoal, "seed {seed}: {step:?}");
         assert!(rig.robot.is_at_goal(), "seed {seed}");
         assert_eq!(decisions.len(), 10, "seed {seed}");
-        touched += u32::from(impulse_ns > 0.3);
+        touched += u32::from(impulse_n_s > 0.3);
     }
     assert_eq!(touched, 0);
 }
@@ -250,10 +250,10 @@ fn a_wall_is_detected_without_contact_and_leads_to_another_way() {
     let mut rig = Rig::maze4();
     let setup = DriveSetup::new(&plan, &knowledge, DriveOptions::default()).unwrap();
     rig.driver = Driver::new(setup);
-    let (mut blocked, mut impulse_ns) = (0, 0.0);
+    let (mut blocked, mut impulse_n_s) = (0, 0.0);
     for _ in 0..4_000 {
         let step = rig.tick(|_| ());
-        impulse_ns += rig.robot.impulse_ns();
+        impulse_n_s += rig.robot.impulse_n_s();
         assert!(!step.faults.iter().any(Fault::is_final), "{step:?}");
         blocked += u32::from(matches!(step.outcome, Some(Outcome::Collided { .. })));
         if step.phase == Phase::AtGoal {
@@ -261,7 +261,7 @@ fn a_wall_is_detected_without_contact_and_leads_to_another_way() {
         }
     }
     assert!((1..=2).contains(&blocked), "{blocked}");
-    assert_eq!(impulse_ns, 0.0);
+    assert_eq!(impulse_n_s, 0.0);
     assert!(rig.robot.is_at_goal());
 }
 

@@ -40,7 +40,7 @@ impl Contact {
             y_m: Some(hit.point_in_map.y),
             normal_x: Some(hit.normal_in_map.x),
             normal_y: Some(hit.normal_in_map.y),
-            impulse_n_s: Some(hit.impulse_ns),
+            impulse_n_s: Some(hit.impulse_n_s),
             ..Self::clear(episode, step)
         }
     }

@@ -18,12 +18,12 @@ pub(crate) fn began(episode: u32, time_ns: u64) -> Log {
 
 /// Logs a collision; `None` if the step had none.
 pub(crate) fn collision(step: &Step<'_>, time_ns: u64) -> Option<Log> {
-    let Outcome::Collided { impulse_ns } = step.outcome else {
+    let Outcome::Collided { impulse_n_s } = step.outcome else {
         return None;
     };
     let going = step.view.maze.direction(step.action)?.name();
     let (col, row) = (step.cell.col, step.cell.row);
-    let impulse = impulse_ns.map_or_else(String::new, |ns| format!(", impulse {ns:.1} N s"));
+    let impulse = impulse_n_s.map_or_else(String::new, |n_s| format!(", impulse {n_s:.1} N s"));
     let value = step
         .credit
         .filtered

@@ -63,7 +63,7 @@ impl Arena for GridArena {
         };
         self.trace = [before, after];
         match next {
-            None => Outcome::Collided { impulse_ns: None },
+            None => Outcome::Collided { impulse_n_s: None },
             Some(cell) if self.maze.is_goal(cell) => Outcome::ReachedGoal,
             Some(_) => Outcome::Moved,
         }

@@ -35,7 +35,7 @@ pub enum Outcome {
     /// A wall blocked the way; the robot is back where it was.
     Collided {
         /// The impulse of the collision in newton-seconds; `None` in arenas without mass.
-        impulse_ns: Option<f64>,
+        impulse_n_s: Option<f64>,
     },
     /// The action timed out; the robot may have stopped anywhere.
     Stalled,
@@ -65,7 +65,7 @@ pub struct Contact {
     /// Unit vector from the robot into the wall, in the map frame.
     pub normal_in_map: Vector2<f64>,
     /// The impulse of the collision in newton-seconds.
-    pub impulse_ns: f64,
+    pub impulse_n_s: f64,
 }
 
 /// The observable state of an arena after a reset or an action.
@@ -99,8 +99,8 @@ impl View<'_> {
     }
 
     /// Returns the total impulse of the collisions in newton-seconds; 0 for none.
-    pub fn impulse_ns(&self) -> f64 {
-        let impulses = self.contacts.iter().map(|contact| contact.impulse_ns);
+    pub fn impulse_n_s(&self) -> f64 {
+        let impulses = self.contacts.iter().map(|contact| contact.impulse_n_s);
         // The sum of no numbers is minus zero.
         impulses.fold(0.0, |total, one| total + one)
     }

@@ -13,7 +13,7 @@ pub(super) fn read(rotation: UnitComplex<f64>, pushes: &[Push], threshold: f64) 
     let front = ahead(rotation);
     let hit = |way: f64| {
         let in_sector = |push: &&Push| way * push.normal.dot(&front) >= SECTOR;
-        let impulse: f64 = pushes.iter().filter(in_sector).map(|p| p.impulse_ns).sum();
+        let impulse: f64 = pushes.iter().filter(in_sector).map(|p| p.impulse_n_s).sum();
         impulse > threshold
     };
     [hit(1.0), hit(-1.0)]
@@ -24,9 +24,12 @@ mod tests {
     use super::*;
     use nalgebra::{Complex, Vector2};
 
-    fn push(x: f64, y: f64, impulse_ns: f64) -> Push {
+    fn push(x: f64, y: f64, impulse_n_s: f64) -> Push {
         let normal = Vector2::new(x, y);
-        Push { normal, impulse_ns }
+        Push {
+            normal,
+            impulse_n_s,
+        }
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub struct Push {
     /// Unit vector from the robot into the wall.
     pub normal: Vector2<f64>,
     /// Force times duration of the step, in N s.
-    pub impulse_ns: f64,
+    pub impulse_n_s: f64,
 }
 
 /// The random streams of the sensors.

@@ -185,7 +185,7 @@ mod tests {
     fn a_collision_costs_fifty_and_a_step_one() {
         let params = Params::default();
         assert_eq!(
-            params.short_term(Outcome::Collided { impulse_ns: None }),
+            params.short_term(Outcome::Collided { impulse_n_s: None }),
             -50.0
         );
         assert_eq!(params.short_term(Outcome::Moved), -1.0);

@@ -282,7 +282,7 @@ mod tests {
 
     #[test]
     fn after_a_collision_another_way_is_taken() {
-        let hit = Outcome::Collided { impulse_ns: None };
+        let hit = Outcome::Collided { impulse_n_s: None };
         let steps = [hit, Outcome::Moved].map(|outcome| (percept(1, false), outcome));
         assert_eq!(chosen(true, &steps), [1, 2]);
         assert_eq!(chosen(false, &steps), [1, 1], "control");

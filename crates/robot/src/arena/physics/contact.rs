@@ -71,10 +71,10 @@ impl EventHandler for Listener {
         let mut pushes = self.pushes.lock().unwrap_or_else(PoisonError::into_inner);
         for manifold in pair.solver_manifolds() {
             let normal = manifold.data.normal;
-            let impulse_ns: f32 = manifold.points.iter().map(|point| point.data.impulse).sum();
+            let impulse_n_s: f32 = manifold.points.iter().map(|point| point.data.impulse).sum();
             let push = Push {
                 normal: sign * Vector2::new(f64::from(normal.x), f64::from(normal.y)),
-                impulse_ns: f64::from(impulse_ns),
+                impulse_n_s: f64::from(impulse_n_s),
             };
             add(&mut pushes, push);
         }
@@ -94,8 +94,8 @@ fn add(pushes: &mut Vec<Push>, push: Push) {
         .iter_mut()
         .find(|known| same_face(known.normal, push.normal))
     {
-        Some(known) => known.impulse_ns += push.impulse_ns,
-        None if push.impulse_ns > 0.0 => pushes.push(push),
+        Some(known) => known.impulse_n_s += push.impulse_n_s,
+        None if push.impulse_n_s > 0.0 => pushes.push(push),
         None => {}
     }
 }
@@ -123,16 +123,16 @@ impl Hits {
         let normal = contact.normal_in_map;
         let mut hits = self.0.iter_mut();
         match hits.find(|hit| same_face(hit.normal_in_map, normal)) {
-            Some(hit) => hit.impulse_ns = hit.impulse_ns.max(contact.impulse_ns),
+            Some(hit) => hit.impulse_n_s = hit.impulse_n_s.max(contact.impulse_n_s),
             None => self.0.push(contact),
         }
     }
 
     /// Returns the total impulse of all frontal collisions for a robot driving along `along`.
-    pub(super) fn frontal_impulse_ns(&self, along: Vector2<f64>) -> f64 {
+    pub(super) fn frontal_impulse_n_s(&self, along: Vector2<f64>) -> f64 {
         let hits = self.0.iter();
         hits.filter(|hit| is_frontal(hit.normal_in_map, along))
-            .map(|hit| hit.impulse_ns)
+            .map(|hit| hit.impulse_n_s)
             .sum()
     }
 

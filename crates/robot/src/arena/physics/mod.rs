@@ -145,7 +145,7 @@ impl Arena for PhysicsArena {
         let along = self.pilot.along();
         match self.pilot.end(self.is_at_goal()) {
             Outcome::Collided { .. } => Outcome::Collided {
-                impulse_ns: Some(self.robot.frontal_impulse_ns(-along)),
+                impulse_n_s: Some(self.robot.frontal_impulse_n_s(-along)),
             },
             other => other,
         }

@@ -284,7 +284,7 @@ impl Pilot {
         let in_time = !action.timed_out;
         let is_blocked = action.is_barred || action.maneuver.backs_off();
         if in_time && is_blocked && cell == action.home {
-            Outcome::Collided { impulse_ns: None }
+            Outcome::Collided { impulse_n_s: None }
         } else if at_goal {
             Outcome::ReachedGoal
         } else if in_time && cell == action.wanted {

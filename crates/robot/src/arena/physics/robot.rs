@@ -206,8 +206,9 @@ impl Robot {
 
     /// Returns the impulse in newton-seconds of the collisions of this path with walls across the
     /// unit vector `along` of the grid frame.
-    pub(super) fn frontal_impulse_ns(&self, along: Vector2<f64>) -> f64 {
-        self.hits.frontal_impulse_ns(self.maze.vector_in_map(along))
+    pub(super) fn frontal_impulse_n_s(&self, along: Vector2<f64>) -> f64 {
+        self.hits
+            .frontal_impulse_n_s(self.maze.vector_in_map(along))
     }
 
     /// Simulates one step.
@@ -223,7 +224,7 @@ impl Robot {
                 time_ns,
                 point_in_map: self.maze.point_in_map(touched.into()),
                 normal_in_map: self.maze.vector_in_map(push.normal),
-                impulse_ns: push.impulse_ns,
+                impulse_n_s: push.impulse_n_s,
             });
         }
         self.trace.push(self.sample());
@@ -298,12 +299,12 @@ impl Robot {
 
     /// Returns the total impulse of the collisions since [`begin_trace`](Self::begin_trace), in
     /// newton-seconds.
-    pub fn impulse_ns(&self) -> f64 {
+    pub fn impulse_n_s(&self) -> f64 {
         let impulses = self
             .hits
             .contacts()
             .iter()
-            .map(|contact| contact.impulse_ns);
+            .map(|contact| contact.impulse_n_s);
         // The sum of no numbers is minus zero.
         impulses.fold(0.0, |total, one| total + one)
     }

@@ -85,8 +85,8 @@ impl WheelDrive {
     }
 
     /// Returns the total impulse of the wall collisions in the last step, in newton-seconds.
-    pub fn impulse_ns(&self) -> f64 {
-        self.robot.impulse_ns()
+    pub fn impulse_n_s(&self) -> f64 {
+        self.robot.impulse_n_s()
     }
 
     /// Sets the clock to nanoseconds since the trial began; a reset must follow.
