@@ -10,6 +10,7 @@ use crate::world::{Cell, Maze};
 
 /// The largest number of cells in which the robot is put down.
 const MOST_PLACES: usize = 500;
+
 /// Returns the distance in metres from a wall at a range of `wall_m` above which a beam is off: a
 /// share of a cell plus a share of the range.
 pub fn beam_tolerance_m(maze: &Maze, wall_m: f64) -> f64 {

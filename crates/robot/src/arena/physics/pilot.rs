@@ -137,10 +137,12 @@ impl Pilot {
         self.time_ns += STEP_NS;
         match (measured, &mut self.localiser) {
             (Measured::Sensors(readings), Localiser::Onboard(onboard)) => onboard.step(readings),
-            (Measured::Sensors(_), Localiser::Told(..)) => {}
-            (&Measured::GroundTruth { pose, speeds, .. }, told) => {
+            (&Measured::GroundTruth { pose, speeds, .. }, told @ Localiser::Told(..)) => {
                 *told = Localiser::Told(pose, speeds);
             }
+            // The robot and its pilot have the same settings, so they agree.
+            (Measured::Sensors(_), Localiser::Told(..))
+            | (Measured::GroundTruth { .. }, Localiser::Onboard(_)) => {}
         }
         if let Some(Action { maneuver, seen, .. }) = &mut self.action
             && maneuver.is_stopped_by_walls(seen)

@@ -23,8 +23,11 @@ impl Records {
         self.estimates.push(estimate_in_map(pilot, maze));
     }
 
-    /// Adds the current estimate, and the beams of the last step.
+    /// Adds the current estimate, and the beams of the last step. Adds nothing for a robot that is told its pose.
     pub(super) fn add(&mut self, pilot: &Pilot, robot: &Robot) {
+        if pilot.onboard().is_none() {
+            return;
+        }
         self.estimates.push(estimate_in_map(pilot, robot.maze()));
         let start_ns = robot.time_ns() - STEP_NS;
         let beams = robot.returns().iter().map(|beam| Beam {
