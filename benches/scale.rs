@@ -12,66 +12,16 @@ mod clock;
 use std::error::Error;
 
 use clock::cpu_ns;
-use xcscr::agent::{Agent, Choice, EndCredit, Explorer, Knowledge, Method, StepCredit};
-use xcscr::arena::{ArenaKind, Outcome};
+use xcscr::agent::Method;
+use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
-use xcscr::streams::StreamName;
 use xcscr::trial::{Plan, Trial};
 use xcscr::world::{MazeKind, Recipe};
-use xcscr::xcs::random::Stream;
-use xcscr::xcs::{Action, Percept, PredictionArray};
 
 const SIZES: [u16; 6] = [8, 16, 32, 64, 128, 256];
 const FLIPS: [f64; 2] = [0.0, 0.01];
 const MOST_STEPS: u64 = 20_000;
 const MOST_NS: u64 = 10_000_000_000;
-
-/// A learner whose percepts arrive with flipped bits.
-struct Flipped {
-    agent: Box<dyn Agent>,
-    rate: f64,
-    stream: Stream,
-}
-
-impl Agent for Flipped {
-    fn begin_episode(&mut self, evolves: bool) {
-        self.agent.begin_episode(evolves);
-    }
-
-    fn observe(&mut self, percept: &Percept) -> PredictionArray {
-        let bits = (0..percept.width()).map(|bit| percept.bit(bit) ^ self.stream.chance(self.rate));
-        let seen = Percept::from_bits(bits).unwrap_or(*percept);
-        self.agent.observe(&seen)
-    }
-
-    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        self.agent.choose(values, explorer)
-    }
-
-    fn update(&mut self, action: Action, outcome: Outcome, next: Option<&Percept>) -> StepCredit {
-        self.agent.update(action, outcome, next)
-    }
-
-    fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
-        self.agent.end_episode(reached_goal)
-    }
-
-    fn step_threshold(&self) -> u32 {
-        self.agent.step_threshold()
-    }
-
-    fn values(&self, percept: &Percept) -> PredictionArray {
-        self.agent.values(percept)
-    }
-
-    fn knowledge(&self) -> Knowledge {
-        self.agent.knowledge()
-    }
-
-    fn rule_count(&self) -> usize {
-        self.agent.rule_count()
-    }
-}
 
 fn main() -> Result<(), Box<dyn Error>> {
     // Cargo adds `--bench` to the arguments.
@@ -113,17 +63,14 @@ fn cost(method: Method, size: u16, rate: f64, most: u64) -> Result<String, Box<d
         size,
         seed: 1,
     };
-    let plan = Plan::new(recipe.maze()?)
+    let mut plan = Plan::new(recipe.maze()?)
         .method(method)
-        .arena(ArenaKind::Grid);
-    let plan = plan.sensor(Sensor::Position).episodes(10_000).settled();
-    let agent = Flipped {
-        agent: plan.config.build_method(&plan.maze)?,
-        rate,
-        stream: Stream::new(1, StreamName::Physics),
-    };
+        .arena(ArenaKind::Grid)
+        .sensor(Sensor::Position)
+        .episodes(10_000);
+    plan.config.settings.sensor.flip_probability = rate;
     let begin = cpu_ns()?;
-    let mut trial = Trial::with_agent(plan, Box::new(agent))?;
+    let mut trial = Trial::new(plan)?;
     while trial.progress().steps < most && cpu_ns()? - begin < MOST_NS {
         let _ = trial.run_episode(&mut ());
     }

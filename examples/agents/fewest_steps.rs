@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use xcscr::agent::{Agent, EndCredit, Knowledge, StepCredit};
-use xcscr::arena::Outcome;
+use xcscr::agent::{Agent, EndCredit, Knowledge, StepCredit, Transition};
 use xcscr::trial::Plan;
 use xcscr::xcs::{Action, Percept, PredictionArray};
 
@@ -12,7 +11,6 @@ pub struct FewestSteps {
     actions: usize,
     step_threshold: u32,
     fewest: BTreeMap<Percept, Vec<Option<f64>>>,
-    percept: Option<Percept>,
     episode: Vec<(Percept, Action)>,
 }
 
@@ -23,7 +21,6 @@ impl FewestSteps {
             actions: plan.maze.action_count(),
             step_threshold: plan.config.settings.reward.step_threshold,
             fewest: BTreeMap::new(),
-            percept: None,
             episode: Vec::new(),
         }
     }
@@ -31,13 +28,11 @@ impl FewestSteps {
 
 impl Agent for FewestSteps {
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
-        self.percept = Some(*percept);
         self.values(percept)
     }
 
-    fn update(&mut self, action: Action, _: Outcome, _: Option<&Percept>) -> StepCredit {
-        self.episode
-            .extend(self.percept.map(|percept| (percept, action)));
+    fn update(&mut self, step: &Transition<'_>) -> StepCredit {
+        self.episode.push((*step.percept, step.action));
         StepCredit::default()
     }
 

@@ -9,7 +9,9 @@ use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use xcs::{Action, Percept, PredictionArray};
-use xcscr::agent::{Agent, Choice, DecisionSource, EndCredit, Explorer, Knowledge, StepCredit};
+use xcscr::agent::{
+    Agent, Choice, DecisionSource, EndCredit, Explorer, Knowledge, StepCredit, Transition,
+};
 use xcscr::arena::Outcome;
 use xcscr::trial::{Plan, Settings};
 
@@ -57,7 +59,6 @@ pub struct External {
     chooses: bool,
     /// The percepts whose values are part of the knowledge.
     known: BTreeSet<Percept>,
-    percept: Option<Percept>,
 }
 
 /// A percept as bytes of 0 or 1.
@@ -118,7 +119,6 @@ impl External {
             actions,
             chooses,
             known: percepts.into_iter().flatten().collect(),
-            percept: None,
         }
     }
 
@@ -171,34 +171,37 @@ impl External {
 impl Agent for External {
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
         self.known.insert(*percept);
-        self.percept = Some(*percept);
         self.values(percept)
     }
 
-    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        match self.percept.filter(|_| self.chooses) {
-            Some(percept) => {
-                let action = self.ask(|agent| self.ask_action(agent, &percept));
-                Choice::new(action, DecisionSource::Table)
-            }
-            None => {
-                let (action, explores) = explorer.choose(values);
-                Choice::by(DecisionSource::Table, action, explores)
-            }
+    fn choose(
+        &mut self,
+        percept: &Percept,
+        values: &PredictionArray,
+        explorer: &mut Explorer,
+    ) -> Choice {
+        if self.chooses {
+            let action = self.ask(|agent| self.ask_action(agent, percept));
+            return Choice::new(action, DecisionSource::Table);
         }
+        let (action, explores) = explorer.choose(values);
+        Choice::by(DecisionSource::Table, action, explores)
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome, next: Option<&Percept>) -> StepCredit {
+    fn update(&mut self, step: &Transition<'_>) -> StepCredit {
         let rewards = &self.settings.reward;
-        let short_term_reward = rewards.short_term(outcome);
-        let at_goal = if outcome == Outcome::ReachedGoal {
+        let short_term_reward = rewards.short_term(step.outcome);
+        let at_goal = if step.outcome == Outcome::ReachedGoal {
             rewards.goal
         } else {
             0.0
         };
-        if let Some(percept) = self.percept {
-            self.learn(&percept, action, short_term_reward + at_goal, next);
-        }
+        self.learn(
+            step.percept,
+            step.action,
+            short_term_reward + at_goal,
+            step.next,
+        );
         StepCredit {
             short_term_reward,
             ..StepCredit::default()

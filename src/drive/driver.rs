@@ -13,12 +13,12 @@ use super::step::{Belief, Decision, DriverStep, Phase};
 use super::timeline::Timeline;
 use super::watch::{Watch, Watched};
 use super::wheels::WheelWatch;
-use crate::agent::{Agent, Explorer, Frozen};
+use crate::agent::{Agent, Explorer, Frozen, Transition};
 use crate::arena::{Measured, Now, Pilot, Speeds};
 use crate::streams::StreamName;
-use crate::world::Maze;
-use xcs::Action;
+use crate::world::{Cell, Maze};
 use xcs::random::Stream;
+use xcs::{Action, Percept};
 
 /// A step of the onboard computer.
 #[derive(Debug)]
@@ -47,7 +47,8 @@ pub struct Driver {
     greedy: Explorer,
     phase: Phase,
     decisions: u32,
-    action: Option<Action>,
+    /// The percept, cell and action of the last decision, until its move is over.
+    chosen: Option<(Percept, Cell, Action)>,
     has_scan: bool,
     /// What the onboard computer processed in the last step of the driver.
     sensed: Vec<Sensed>,
@@ -79,7 +80,7 @@ impl Driver {
             greedy: Explorer::new(0.0, Stream::new(setup.seed, StreamName::Exploration)),
             phase: Phase::Waiting,
             decisions: 0,
-            action: None,
+            chosen: None,
             has_scan: false,
             sensed: Vec::new(),
             last_fault: None,
@@ -147,7 +148,7 @@ impl Driver {
         let mut faults = taken.faults;
         if taken.begins_again {
             self.phase = Phase::Waiting;
-            self.action = None;
+            self.chosen = None;
         }
         if let Some(start) = taken.start_in_grid {
             self.setup.start_in_grid = start;
@@ -308,7 +309,7 @@ impl Driver {
             return self.note(Some(Mislocalised::InAWall));
         };
         let values = self.policy.observe(&percept);
-        let choice = self.policy.choose(&values, &mut self.greedy);
+        let choice = self.policy.choose(&percept, &values, &mut self.greedy);
         let action = choice.action;
         let Some(direction) = maze.direction(action) else {
             return;
@@ -316,7 +317,7 @@ impl Driver {
         self.decisions += 1;
         step.command = self.pilot.begin(direction, now).unwrap_or(Speeds::REST);
         self.phase = Phase::Driving;
-        self.action = Some(action);
+        self.chosen = Some((percept, cell, action));
         step.decision = Some(Decision {
             number: self.decisions,
             stamp_ns: now.time_ns,
@@ -365,8 +366,14 @@ impl Driver {
         let is_goal = |cell| self.setup.maze.is_goal(cell);
         let at_goal = self.pilot.cell(&self.setup.maze).is_some_and(is_goal);
         let outcome = self.pilot.end(at_goal);
-        if let Some(action) = self.action.take() {
-            self.policy.update(action, outcome, None);
+        if let Some((percept, cell, action)) = self.chosen.take() {
+            self.policy.update(&Transition {
+                percept: &percept,
+                place: Some(cell),
+                action,
+                outcome,
+                next: None,
+            });
         }
         step.outcome = Some(outcome);
         if at_goal {

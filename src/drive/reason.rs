@@ -6,7 +6,7 @@ use crate::agent::Frozen;
 
 /// Adds the rule with the largest weight and a text that explains the decision.
 pub fn explain(decision: &mut Decision, setup: &DriveSetup, policy: &Frozen) {
-    decision.rule = policy.decisive_rule(decision.action);
+    decision.rule = policy.decisive_rule(&decision.percept, decision.action);
     let maze = &setup.maze;
     let because = match &decision.rule {
         Some(rule) => setup.sensor.words(maze, rule),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use xcscr::agent::{Agent, EndCredit, Knowledge, StepCredit};
+use xcscr::agent::{Agent, EndCredit, Knowledge, StepCredit, Transition};
 use xcscr::arena::Outcome;
 use xcscr::xcs::PredictionArray;
 use xcscr::xcs::{Action, Percept};
@@ -40,9 +40,9 @@ impl Agent for Scripted {
         values
     }
 
-    fn update(&mut self, _: Action, outcome: Outcome, _: Option<&Percept>) -> StepCredit {
+    fn update(&mut self, step: &Transition<'_>) -> StepCredit {
         self.step += 1;
-        let hit = matches!(outcome, Outcome::Collided { .. });
+        let hit = matches!(step.outcome, Outcome::Collided { .. });
         StepCredit {
             short_term_reward: if hit { -50.0 } else { -1.0 },
             ..StepCredit::default()

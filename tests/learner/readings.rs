@@ -1,7 +1,7 @@
 //! Each doubtful reading of the paper is one setting. Here each setting is turned, and what it
 //! changes is computed by hand; the control is the other reading.
 
-use xcscr::agent::{Agent, Method, Setup, StackEvolution, StepLimitUpdate, XcsPayment};
+use xcscr::agent::{Agent, Method, Setup, StackEvolution, StepLimitUpdate, Transition, XcsPayment};
 use xcscr::arena::Outcome;
 use xcscr::streams::StreamName;
 use xcscr::xcs::random::Stream;
@@ -47,11 +47,23 @@ fn method(method: Method, read: impl FnOnce(&mut Setup)) -> Box<dyn Agent> {
     method.build(2, 0, setup, 1)
 }
 
+/// Takes action 0 in a percept, as the last step of an episode.
+fn take(method: &mut dyn Agent, bits: &str, outcome: Outcome) {
+    let percept = percept(bits);
+    method.observe(&percept);
+    method.update(&Transition {
+        percept: &percept,
+        place: None,
+        action: action(0),
+        outcome,
+        next: None,
+    });
+}
+
 /// Runs an episode of action 0 in these percepts, each with its outcome, and ends it.
 fn episode(method: &mut dyn Agent, steps: &[(&str, Outcome)], reached_goal: bool) {
     for (bits, outcome) in steps {
-        method.observe(&percept(bits));
-        method.update(action(0), *outcome, None);
+        take(method, bits, *outcome);
     }
     method.end_episode(reached_goal);
 }
@@ -228,8 +240,7 @@ fn the_ga_runs_in_each_step_or_after_the_episode() {
             setup.reward.stack_evolution = stack_evolution;
         });
         for _ in 0..2 {
-            learner.observe(&percept("0101"));
-            learner.update(action(0), Outcome::Moved, None);
+            take(&mut *learner, "0101", Outcome::Moved);
         }
         let before = learner.rule_count();
         learner.end_episode(false);

@@ -65,7 +65,7 @@ fn what_no_rule_covers_is_left_to_chance_and_each_step_of_rules_names_one_that_m
         let mut frozen = Frozen::new(Knowledge::Rules(rules), 4, 1);
         let values = frozen.observe(&percept);
         let mut greedy = Explorer::new(0.0, Stream::new(1, StreamName::Exploration));
-        frozen.choose(&values, &mut greedy).source
+        frozen.choose(&percept, &values, &mut greedy).source
     };
     assert_eq!(source(rules(&trial)), DecisionSource::Rules, "control");
     assert_eq!(source(Population::default()), DecisionSource::Chance);

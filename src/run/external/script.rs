@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::{ExternalActions, ExternalEpisode, WheelSpeeds};
-use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Explorer, Knowledge, StepCredit};
+use crate::agent::{
+    Agent, Choice, DecisionSource, EndCredit, Explorer, Knowledge, StepCredit, Transition,
+};
 use crate::arena::{Arena, Outcome, View, WheelDrive};
 use crate::world::Cell;
 use xcs::{Action, Percept, PredictionArray};
@@ -32,7 +34,7 @@ impl Agent for Script<'_> {
         self.values(percept)
     }
 
-    fn choose(&mut self, _: &PredictionArray, _: &mut Explorer) -> Choice {
+    fn choose(&mut self, _: &Percept, _: &PredictionArray, _: &mut Explorer) -> Choice {
         let number = match &self.episode.actions {
             ExternalActions::Moves(moves) => moves[self.step],
             // No move. `ScriptedWheels` has the speeds.
@@ -42,7 +44,7 @@ impl Agent for Script<'_> {
         Choice::new(action, DecisionSource::Table)
     }
 
-    fn update(&mut self, _: Action, _: Outcome, _: Option<&Percept>) -> StepCredit {
+    fn update(&mut self, _: &Transition<'_>) -> StepCredit {
         self.step += 1;
         StepCredit {
             short_term_reward: self.episode.rewards[self.step - 1],

@@ -34,6 +34,23 @@ pub use with_history::WithHistory;
 use xcs::{Action, Condition, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
 use xcscr_robot::sensor::History;
+use xcscr_robot::world::Cell;
+
+/// One step in the environment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transition<'a> {
+    /// The percept in which the action was chosen.
+    pub percept: &'a Percept,
+    /// The cell in which the action was chosen, as the robot estimates it; `None` in an environment without cells,
+    /// where the percept is the place.
+    pub place: Option<Cell>,
+    /// The chosen action.
+    pub action: Action,
+    /// The outcome of the action.
+    pub outcome: Outcome,
+    /// The next percept; `None` at a goal.
+    pub next: Option<&'a Percept>,
+}
 
 /// The credit of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -91,16 +108,21 @@ pub trait Agent {
     /// missing actions.
     fn observe(&mut self, percept: &Percept) -> PredictionArray;
 
-    /// Chooses an action. By default: any action with probability p_explr, otherwise one of the
-    /// best according to the rules.
-    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+    /// Chooses an action in the percept of the last [`observe`](Self::observe), which returned `values`. By default: any
+    /// action with probability p_explr, otherwise one of the best according to the rules.
+    fn choose(
+        &mut self,
+        percept: &Percept,
+        values: &PredictionArray,
+        explorer: &mut Explorer,
+    ) -> Choice {
+        let _ = percept;
         let (action, explores) = explorer.choose(values);
         Choice::by(DecisionSource::Rules, action, explores)
     }
 
-    /// Credits the action chosen after the last [`observe`](Self::observe). `next` is the percept after it; `None` at a
-    /// goal.
-    fn update(&mut self, action: Action, outcome: Outcome, next: Option<&Percept>) -> StepCredit;
+    /// Credits the action chosen after the last [`observe`](Self::observe).
+    fn update(&mut self, step: &Transition<'_>) -> StepCredit;
 
     /// Ends the episode. `reached_goal` is false after a step limit.
     fn end_episode(&mut self, reached_goal: bool) -> EndCredit;

@@ -1,8 +1,7 @@
 //! A learner whose percepts are followed by the last steps of the episode.
 
-use crate::agent::{Agent, Choice, EndCredit, Explorer, Knowledge, StepCredit};
-use xcs::{Action, Percept, PredictionArray};
-use xcscr_robot::arena::Outcome;
+use crate::agent::{Agent, Choice, EndCredit, Explorer, Knowledge, StepCredit, Transition};
+use xcs::{Percept, PredictionArray};
 use xcscr_robot::sensor::History;
 
 /// Passes percepts with their history to a learner. The history is empty at the beginning of each episode.
@@ -10,8 +9,6 @@ pub struct WithHistory {
     agent: Box<dyn Agent>,
     beginning: History,
     history: History,
-    /// The current percept, without history.
-    percept: Option<Percept>,
 }
 
 impl WithHistory {
@@ -25,7 +22,6 @@ impl WithHistory {
             agent,
             beginning,
             history: beginning,
-            percept: None,
         })
     }
 }
@@ -36,19 +32,28 @@ impl Agent for WithHistory {
     }
 
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
-        self.percept = Some(*percept);
         self.agent.observe(&self.history.behind(percept))
     }
 
-    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        self.agent.choose(values, explorer)
+    fn choose(
+        &mut self,
+        percept: &Percept,
+        values: &PredictionArray,
+        explorer: &mut Explorer,
+    ) -> Choice {
+        let percept = self.history.behind(percept);
+        self.agent.choose(&percept, values, explorer)
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome, next: Option<&Percept>) -> StepCredit {
-        let percept = self.percept.expect("`observe` comes before `update`");
-        self.history = self.history.after(&percept, action);
-        let next = next.map(|next| self.history.behind(next));
-        self.agent.update(action, outcome, next.as_ref())
+    fn update(&mut self, step: &Transition<'_>) -> StepCredit {
+        let percept = self.history.behind(step.percept);
+        self.history = self.history.after(step.percept, step.action);
+        let next = step.next.map(|next| self.history.behind(next));
+        self.agent.update(&Transition {
+            percept: &percept,
+            next: next.as_ref(),
+            ..*step
+        })
     }
 
     fn end_episode(&mut self, reached_goal: bool) -> EndCredit {

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::observer::{AfterEpisode, Ending, Episode, Observer, Step};
-use crate::agent::{Agent, Chosen, EndCredit, Explorer};
+use crate::agent::{Agent, Chosen, EndCredit, Explorer, Transition};
 use xcscr_robot::arena::{Arena, Outcome};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::Cell;
@@ -37,12 +37,18 @@ pub fn run(
     let ending = loop {
         let cell = arena.view().cell;
         let values = method.observe(&percept);
-        let choice = method.choose(&values, explorer);
+        let choice = method.choose(&percept, &values, explorer);
         let action = choice.action;
         let outcome = arena.act(action);
         let is_at_goal = outcome == Outcome::ReachedGoal;
         let next = (!is_at_goal).then(|| sensor.perceive(&arena.view()));
-        let credit = method.update(action, outcome, next.as_ref());
+        let credit = method.update(&Transition {
+            percept: &percept,
+            place: Some(cell),
+            action,
+            outcome,
+            next: next.as_ref(),
+        });
         let view = arena.view();
         let step = totals.steps + 1;
         let step = Step {

@@ -4,24 +4,25 @@
 //! 1. [`short_term_filter`](crate::agent::credit::short_term_filter): a collision lowers the value of the rules that
 //!    caused it, at once;
 //! 2. [`learning_rate`](crate::agent::credit::learning_rate): successes are learned fast, failures slowly;
-//! 3. [`imprinting`](crate::agent::credit::imprinting): after a failure, one of the best policies so far is replayed;
+//! 3. [`imprinting`](crate::agent::credit::imprinting): after a failure, one of the best policies so far is replayed.
+//!    [`without_loops`] shortens each policy before it is stored;
 //! 4. [`step_threshold`](crate::agent::credit::step_threshold): the time allowed shrinks toward the best policy.
 
 use crate::agent::credit::experts::Experts;
-use crate::agent::credit::imprinting::{self, Imprinting, Policy, ReplayedStep};
+use crate::agent::credit::imprinting::{self, Imprinting, ReplayedStep};
 use crate::agent::credit::learning_rate::LearningRate;
 use crate::agent::credit::short_term_filter::ShortTermFilter;
 use crate::agent::credit::step_threshold::StepThreshold;
 
 use crate::agent::credit::params::Params;
+use crate::agent::credit::policy::{Place, Policy, without_loops};
 use crate::agent::credit::stack::{RewardStack, Shares};
 use crate::agent::credit::step_credit;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::{Agent, EndCredit, StepCredit};
+use crate::agent::{Agent, EndCredit, StepCredit, Transition};
+use xcs::Percept;
 use xcs::random::Stream;
-use xcs::{Action, Percept};
 use xcs::{MatchSet, Population, PredictionArray, Xcs};
-use xcscr_robot::arena::Outcome;
 
 /// The method `xcscr` (paper, section III and figure 1.c). With all four mechanisms switched off it
 /// is `adapted-even` or `adapted-discounted`; with [`Experts`] it is `xcscr-coevolved`.
@@ -102,15 +103,16 @@ impl Agent for Combined {
         self.xcs.predict(&self.match_set)
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome, _: Option<&Percept>) -> StepCredit {
-        let set = self.match_set.action_set(action);
+    fn update(&mut self, step: &Transition<'_>) -> StepCredit {
+        let set = self.match_set.action_set(step.action);
         let set = set.expect("`observe` is called before `update` and forms [M]");
-        let reward = self.params.short_term(outcome);
+        let reward = self.params.short_term(step.outcome);
         let mut credit = step_credit(&self.xcs, &self.match_set, &set, reward);
         let beta = self.learning_rate.after_collision();
         credit.filtered = self.filter.apply(&mut self.xcs, &set, reward, beta);
+        let evolution = self.params.stack_evolution;
         self.stack
-            .push(&mut self.xcs, set, self.params.stack_evolution);
+            .push(&mut self.xcs, set, Place::of(step), evolution);
         credit
     }
 
@@ -119,7 +121,10 @@ impl Agent for Combined {
         if reached_goal {
             self.shortest = self.shortest.min(steps);
         }
-        let policy = self.stack.policy();
+        let mut policy = self.stack.policy();
+        if reached_goal && self.params.loop_erasure {
+            policy = without_loops(policy);
+        }
         let long_term_reward = self.params.long_term(reached_goal, steps);
         let learning_rate = self.learning_rate.after(reached_goal);
         let shares = Shares::new(long_term_reward, steps, self.shortest, &self.params);

@@ -6,7 +6,8 @@
 //! goal. The *behaviour cloner* learns the values of the steps of the best policies. Its rules
 //! generalise, so it also advises on the path on which the robot failed.
 
-use crate::agent::credit::imprinting::{Imprinting, Policy, ReplayedStep};
+use crate::agent::credit::imprinting::{Imprinting, ReplayedStep};
+use crate::agent::credit::policy::Policy;
 use xcs::random::Stream;
 use xcs::{self, Action, MatchSet, Percept, PredictionArray, Xcs};
 
@@ -70,9 +71,9 @@ impl Experts {
             }
             return None;
         }
-        let (failed_at, _) = policy.last()?;
-        let mut replayed_steps = succeeded(self.choose(imprinting.replayable()?, failed_at));
-        let advice = self.advise(policy.iter().map(|(percept, _)| *percept));
+        let failed_at = policy.last()?.percept;
+        let mut replayed_steps = succeeded(self.choose(imprinting.replayable()?, &failed_at));
+        let advice = self.advise(policy.iter().map(|step| step.percept));
         let is_new = |one: &ReplayedStep| {
             replayed_steps
                 .iter()
@@ -173,6 +174,7 @@ fn best(values: &PredictionArray, count: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::agent::credit::policy::{Place, PolicyStep};
     use xcscr_robot::streams::StreamName;
 
     fn percept(text: &str) -> Percept {
@@ -199,11 +201,18 @@ mod tests {
     #[test]
     fn the_policy_selector_learns_which_policy_helps_after_which_failure() {
         let mut experts = experts();
-        let policies = [0, 1].map(|it| vec![(percept("0000"), action(it))]);
+        let step = |it| PolicyStep {
+            place: Place::Percept(percept("0000")),
+            percept: percept("0000"),
+            action: action(it),
+        };
+        let policies = [0, 1].map(|it| vec![step(it)]);
         let helps = |failed: &str| usize::from(failed == "1100");
         for turn in 0..400 {
             let failed = ["1100", "0011"][turn % 2];
-            let chosen = experts.choose(&policies, &percept(failed))[0].1.index();
+            let chosen = experts.choose(&policies, &percept(failed))[0]
+                .action
+                .index();
             experts.judge(chosen == helps(failed));
         }
         for failed in ["1100", "0011"] {

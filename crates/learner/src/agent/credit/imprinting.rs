@@ -1,13 +1,11 @@
 //! The imprinting mechanism (Alg. 2 to 4).
 
 use crate::agent::credit::params::Params;
+use crate::agent::credit::policy::{Policy, PolicyStep};
 use crate::agent::credit::stack::Shares;
 use xcs::Xcs;
 use xcs::random::Stream;
 use xcs::{Action, Percept};
-
-/// An executed policy: the percept and action of each step.
-pub(super) type Policy = Vec<(Percept, Action)>;
 
 /// A step of a replayed policy, and its share of the reward.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,12 +16,12 @@ pub(super) struct ReplayedStep {
 }
 
 /// Returns the steps of a policy with their shares, last step first.
-pub(super) fn replayed_steps(policy: &[(Percept, Action)], shares: &Shares) -> Vec<ReplayedStep> {
+pub(super) fn replayed_steps(policy: &[PolicyStep], shares: &Shares) -> Vec<ReplayedStep> {
     let steps = policy.iter().rev().zip(shares.backward());
     steps
-        .map(|(&(percept, action), share)| ReplayedStep {
-            percept,
-            action,
+        .map(|(step, share)| ReplayedStep {
+            percept: step.percept,
+            action: step.action,
             share,
         })
         .collect()
@@ -70,9 +68,14 @@ impl Imprinting {
         Some(&self.policies[..]).filter(|all| replays && !all.is_empty())
     }
 
-    /// Returns true if the policy is in \[PS\].
+    /// Returns true if a policy with the same percepts and actions is in \[PS\].
     pub fn contains(&self, policy: &Policy) -> bool {
-        self.policies.contains(policy)
+        let decisions = |policy: &Policy| -> Vec<(Percept, Action)> {
+            let steps = policy.iter();
+            steps.map(|step| (step.percept, step.action)).collect()
+        };
+        let wanted = decisions(policy);
+        self.policies.iter().any(|known| decisions(known) == wanted)
     }
 
     /// Alg. 3: a shorter policy replaces the set; a different policy of the same length is added.
@@ -85,7 +88,7 @@ impl Imprinting {
             self.policies = vec![policy.clone()];
         } else if policy.len() == shortest
             && self.policies.len() < MOST_POLICIES
-            && !self.policies.contains(policy)
+            && !self.contains(policy)
         {
             self.policies.push(policy.clone());
         }
@@ -104,6 +107,7 @@ pub(super) fn clone_behaviour(xcs: &mut Xcs, replayed_steps: &[ReplayedStep], be
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::agent::credit::policy::Place;
     use xcs;
     use xcscr_robot::streams::StreamName;
 
@@ -111,7 +115,12 @@ mod tests {
     fn policy(actions: &[usize]) -> Policy {
         let step = |(at, &action): (usize, &usize)| {
             let percept = Percept::from_bits((0..8).map(|bit| at >> bit & 1 == 1));
-            (percept.unwrap(), Action::new(action).unwrap())
+            let percept = percept.unwrap();
+            PolicyStep {
+                place: Place::Percept(percept),
+                percept,
+                action: Action::new(action).unwrap(),
+            }
         };
         actions.iter().enumerate().map(step).collect()
     }
@@ -201,17 +210,18 @@ mod tests {
             ..xcs::Params::default()
         };
         let mut xcs = Xcs::new(params, 2, Stream::new(1, StreamName::Evolution));
-        for (percept, _) in &policy {
-            xcs.form_match_set(percept, &mut xcs::MatchSet::default());
+        for step in &policy {
+            xcs.form_match_set(&step.percept, &mut xcs::MatchSet::default());
         }
         let shares = Shares::new(1000.0, 3, 3, &Params::default());
         clone_behaviour(&mut xcs, &replayed_steps(&policy, &shares), 0.2);
-        let values = policy.iter().map(|(p, action)| xcs.values(p).get(*action));
+        let values = policy.iter();
+        let values = values.map(|step| xcs.values(&step.percept).get(step.action));
         assert_eq!(
             values.collect::<Vec<_>>(),
             [Some(810.0), Some(900.0), Some(1000.0)]
         );
-        let (percept, _) = policy[0];
+        let percept = policy[0].percept;
         assert_eq!(xcs.values(&percept).get(Action::new(1).unwrap()), Some(0.0));
     }
 }

@@ -5,6 +5,7 @@ mod experts;
 mod imprinting;
 mod learning_rate;
 pub mod params;
+mod policy;
 mod short_term_filter;
 mod stack;
 mod standard;

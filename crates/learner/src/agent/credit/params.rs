@@ -108,6 +108,8 @@ settings! {
         short_term_filter: bool = true;
         /// Enable imprinting after failures (`xcscr`, `xcscr-coevolved` and `xcscr-plus`).
         imprinting: bool = true;
+        /// Store policies for imprinting without their loops: the steps between two visits to a cell are dropped.
+        loop_erasure: bool = false;
         /// Enable learning-rate switching (`xcscr`, `xcscr-coevolved` and `xcscr-plus`). Without it, all updates use
         /// `xcs.beta`.
         learning_rate_switching: bool = true;

@@ -1,22 +1,25 @@
 //! The reward stack \[R\], and the sharing of a long-term reward along it.
 
 use crate::agent::credit::params::{Params, Sharing, StackEvolution};
-use xcs::{Action, Percept};
+use crate::agent::credit::policy::{Place, Policy, PolicyStep};
 use xcs::{ActionSet, Xcs};
 
-/// \[R\]: the action sets of an episode, oldest first.
+/// \[R\]: the action sets of an episode with their places, oldest first.
 #[derive(Debug, Clone, Default)]
 pub(super) struct RewardStack {
     sets: Vec<ActionSet>,
+    places: Vec<Place>,
 }
 
 impl RewardStack {
-    /// Adds the latest action set. With [`StackEvolution::EachStep`], the GA may run in it now.
-    pub fn push(&mut self, xcs: &mut Xcs, set: ActionSet, evolution: StackEvolution) {
+    /// Adds the latest action set and the place where it was formed. With [`StackEvolution::EachStep`], the GA may run
+    /// in it now.
+    pub fn push(&mut self, xcs: &mut Xcs, set: ActionSet, place: Place, evolution: StackEvolution) {
         if evolution == StackEvolution::EachStep {
             xcs.evolve(&set);
         }
         self.sets.push(set);
+        self.places.push(place);
     }
 
     /// Returns the number of steps so far.
@@ -24,17 +27,22 @@ impl RewardStack {
         self.sets.len()
     }
 
-    /// Returns the executed policy: the percept and action of each step.
-    pub fn policy(&self) -> Vec<(Percept, Action)> {
-        self.sets
-            .iter()
-            .map(|set| (set.percept, set.action))
+    /// Returns the executed policy.
+    pub fn policy(&self) -> Policy {
+        let steps = self.sets.iter().zip(&self.places);
+        steps
+            .map(|(set, &place)| PolicyStep {
+                place,
+                percept: set.percept,
+                action: set.action,
+            })
             .collect()
     }
 
     /// Empties the stack and updates each set with its share of the reward, latest first, at
     /// learning rate `beta`. With [`StackEvolution::AfterCredit`], the GA may then run in the set.
     pub fn unwind(&mut self, xcs: &mut Xcs, shares: &Shares, beta: f64, evolution: StackEvolution) {
+        self.places.clear();
         for (set, share) in self.sets.drain(..).rev().zip(shares.backward()) {
             xcs.update(&set, share, beta);
             if evolution == StackEvolution::AfterCredit {
@@ -85,8 +93,8 @@ impl Shares {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use xcs::MatchSet;
     use xcs::random::Stream;
+    use xcs::{Action, MatchSet};
     use xcscr_robot::streams::StreamName;
 
     fn sharing(sharing: Sharing) -> Params {
@@ -107,7 +115,8 @@ mod tests {
         for _ in 0..5 {
             xcs.form_match_set(&"0101".parse().unwrap(), &mut set);
             let set = set.action_set(Action::new(0).unwrap()).unwrap();
-            stack.push(&mut xcs, set, evolution);
+            let place = Place::Percept(set.percept);
+            stack.push(&mut xcs, set, place, evolution);
         }
         let formed = xcs.population().micro();
         let shares = Shares::new(1000.0, 5, 5, &Params::default());

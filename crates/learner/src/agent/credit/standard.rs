@@ -4,10 +4,9 @@ use crate::agent::credit::params::{Params, StepLimitUpdate, XcsPayment};
 use crate::agent::credit::step_credit;
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit};
-use xcs::{Action, Percept};
+use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit, Transition};
+use xcs::Percept;
 use xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
-use xcscr_robot::arena::Outcome;
 
 /// The methods `xcs` and, with an adaptive mapping, `xcsam`. The previous \[A\] is updated with its
 /// reward plus gamma times the greatest value of the present percept. The last \[A\] of an episode
@@ -73,15 +72,15 @@ impl Agent for Standard {
     }
 
     /// Explores only actions that rules of \[M\] advocate, as Butz and Wilson do.
-    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+    fn choose(&mut self, _: &Percept, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let (action, explores) = explorer.choose_advocated(values);
         Choice::by(DecisionSource::Rules, action, explores)
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome, _: Option<&Percept>) -> StepCredit {
-        let set = self.match_set.action_set(action);
+    fn update(&mut self, step: &Transition<'_>) -> StepCredit {
+        let set = self.match_set.action_set(step.action);
         let set = set.expect("`observe` is called before `update` and forms [M]");
-        let reward = self.params.short_term(outcome);
+        let reward = self.params.short_term(step.outcome);
         let credit = step_credit(&self.xcs, &self.match_set, &set, reward);
         let greatest = self.greatest;
         let paid = match self.params.xcs_payment {

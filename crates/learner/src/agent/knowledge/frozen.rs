@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::agent::credit::credit_of_rules;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Explorer, StepCredit};
+use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Explorer, StepCredit, Transition};
 use xcs::{Action, Condition, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
 use xcscr_robot::sensor::Sensor;
@@ -19,9 +19,6 @@ pub struct Frozen {
     knowledge: Knowledge,
     actions: usize,
     step_threshold: u32,
-    /// The last percept.
-    #[serde(skip)]
-    percept: Option<Percept>,
     /// `None` if the agent always takes the best action.
     #[serde(skip)]
     detours: Option<Detours>,
@@ -112,7 +109,6 @@ impl Frozen {
             knowledge,
             actions,
             step_threshold,
-            percept: None,
             detours: None,
         }
     }
@@ -139,16 +135,17 @@ impl Frozen {
     /// nothing speaks against the best actions.
     fn detour(
         &mut self,
+        percept: &Percept,
         values: &PredictionArray,
         explorer: &mut Explorer,
     ) -> Option<(Action, bool)> {
-        let (detours, percept) = (self.detours.as_mut()?, self.percept?);
-        *detours.visits.entry(detours.cell(&percept)).or_default() += 1;
-        detours.has_begun |= detours.sees_obstacle(&percept);
+        let detours = self.detours.as_mut()?;
+        *detours.visits.entry(detours.cell(percept)).or_default() += 1;
+        detours.has_begun |= detours.sees_obstacle(percept);
         if !detours.has_begun {
             return None;
         }
-        let candidates = detours.candidates(&percept);
+        let candidates = detours.candidates(percept);
         let mut best = values.best_actions();
         if values.greatest().is_some() && best.all(|action| candidates.contains(&action)) {
             return None;
@@ -165,16 +162,16 @@ impl Frozen {
         })
     }
 
-    /// Returns the condition of the rule with the most weight among those that match the last observation and
-    /// advocate `action`; `None` if there is none.
-    pub fn decisive_rule(&self, action: Action) -> Option<Condition> {
-        self.matching(action).fired
+    /// Returns the condition of the rule with the most weight among those that match a percept and advocate `action`;
+    /// `None` if there is none.
+    pub fn decisive_rule(&self, percept: &Percept, action: Action) -> Option<Condition> {
+        self.matching(percept, action).fired
     }
 
-    /// Describes the rules that match the current percept; empty for a table.
-    fn matching(&self, action: Action) -> StepCredit {
-        match self.knowledge.rules().zip(self.percept) {
-            Some((rules, percept)) => credit_of_rules(rules, &percept, action),
+    /// Describes the rules that match a percept; empty for a table.
+    fn matching(&self, percept: &Percept, action: Action) -> StepCredit {
+        match self.knowledge.rules() {
+            Some(rules) => credit_of_rules(rules, percept, action),
             None => StepCredit::default(),
         }
     }
@@ -182,12 +179,16 @@ impl Frozen {
 
 impl Agent for Frozen {
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
-        self.percept = Some(*percept);
         self.values(percept)
     }
 
-    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        let (action, by_chance) = self.detour(values, explorer).unwrap_or_else(|| {
+    fn choose(
+        &mut self,
+        percept: &Percept,
+        values: &PredictionArray,
+        explorer: &mut Explorer,
+    ) -> Choice {
+        let (action, by_chance) = self.detour(percept, values, explorer).unwrap_or_else(|| {
             let (action, explores) = explorer.choose(values);
             (action, explores || values.greatest().is_none())
         });
@@ -198,15 +199,14 @@ impl Agent for Frozen {
         Choice::by(source, action, by_chance)
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome, _: Option<&Percept>) -> StepCredit {
-        let is_blocked = matches!(outcome, Outcome::Collided { .. } | Outcome::Stalled);
-        if let (true, Some(detours), Some(percept)) = (is_blocked, &mut self.detours, self.percept)
-        {
-            let cell = detours.cell(&percept);
+    fn update(&mut self, step: &Transition<'_>) -> StepCredit {
+        let is_blocked = matches!(step.outcome, Outcome::Collided { .. } | Outcome::Stalled);
+        if let (true, Some(detours)) = (is_blocked, &mut self.detours) {
+            let cell = detours.cell(step.percept);
             detours.has_begun = true;
-            *detours.collisions.entry((cell, action)).or_default() += 1;
+            *detours.collisions.entry((cell, step.action)).or_default() += 1;
         }
-        self.matching(action)
+        self.matching(step.percept, step.action)
     }
 
     fn end_episode(&mut self, _: bool) -> EndCredit {
@@ -266,8 +266,14 @@ mod tests {
         let mut greedy = Explorer::new(0.0, Stream::new(1, 0_u64));
         let step = |&(percept, outcome): &(Percept, Outcome)| {
             let values = policy.observe(&percept);
-            let action = policy.choose(&values, &mut greedy).action;
-            policy.update(action, outcome, None);
+            let action = policy.choose(&percept, &values, &mut greedy).action;
+            policy.update(&Transition {
+                percept: &percept,
+                place: None,
+                action,
+                outcome,
+                next: None,
+            });
             action.index()
         };
         steps.iter().map(step).collect()

@@ -7,9 +7,9 @@ use crate::agent::model::slips::{Evidence, Slips};
 use xcs::random::Stream;
 use xcs::{Action, ByAction, MAX_ACTIONS, Percept};
 
-/// A step with its result.
+/// A step with its reward.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Transition {
+pub struct Experience {
     pub percept: Percept,
     pub action: Action,
     pub reward: f64,
@@ -164,7 +164,7 @@ impl Transitions {
 
     /// Adds a transition. Returns true if plans on the known part of the model may change. A pair is
     /// known after `known_after` tries.
-    pub fn learn(&mut self, step: &Transition, known_after: u32) -> bool {
+    pub fn learn(&mut self, step: &Experience, known_after: u32) -> bool {
         let met = self.percepts.len();
         let percept = self.meet(&step.percept);
         let next = step.next.map(|next| self.meet(&next));
@@ -178,10 +178,10 @@ impl Transitions {
     }
 
     /// Draws a transition: a uniformly random tried pair, and one of its outcomes by frequency.
-    pub fn recall(&self, stream: &mut Stream) -> Option<Transition> {
+    pub fn recall(&self, stream: &mut Stream) -> Option<Experience> {
         let &(percept, action) = stream.choose(&self.tried)?;
         let Successor { reward, next, .. } = self.outcomes(percept, action).draw(stream)?;
-        Some(Transition {
+        Some(Experience {
             percept: self.percepts[percept],
             action,
             reward,
@@ -195,8 +195,8 @@ mod tests {
     use super::*;
     use xcscr_robot::streams::StreamName;
 
-    fn step(from: &str, reward: f64, to: Option<&str>) -> Transition {
-        Transition {
+    fn step(from: &str, reward: f64, to: Option<&str>) -> Experience {
+        Experience {
             percept: from.parse().unwrap(),
             action: Action::new(0).unwrap(),
             reward,
@@ -236,7 +236,7 @@ mod tests {
             let reward = if there == here { -50.0 } else { -1.0 };
             let (percept, next) = (percept(here), Some(percept(there)));
             model.learn(
-                &Transition {
+                &Experience {
                     percept,
                     action,
                     reward,

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::agent::Params;
 use crate::agent::explorer::exploit;
-use crate::agent::model::transitions::{Transition, Transitions};
+use crate::agent::model::transitions::{Experience, Transitions};
 use crate::agent::planner::sweeping::PlannedValues;
 use crate::agent::plus::{Replay, ReplayParams};
 use xcs::bounds::{OutOfRange, within};
@@ -193,7 +193,7 @@ impl EnvironmentLearner {
         self.progress.rewards.push(reward);
         let number = self.meet(&percept);
         let next_number = next.map(|next| self.meet(next));
-        let step = Transition {
+        let step = Experience {
             percept,
             action,
             reward,

@@ -25,9 +25,8 @@ pub use world_model::WorldModel;
 use crate::agent::credit::Combined;
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit};
+use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit, Transition};
 use xcs::{Action, Percept, PredictionArray};
-use xcscr_robot::arena::Outcome;
 
 /// The method `xcscr-plus`.
 #[derive(Debug, Clone)]
@@ -35,8 +34,6 @@ pub struct XcscrPlus {
     credit: Combined,
     model: WorldModel,
     replay: Replay,
-    /// The current percept.
-    percept: Option<Percept>,
     /// The next step of exploration; `None` if the rules decide.
     heading: Option<Action>,
 }
@@ -48,7 +45,6 @@ impl XcscrPlus {
             credit,
             model,
             replay,
-            percept: None,
             heading: None,
         }
     }
@@ -62,28 +58,31 @@ impl Agent for XcscrPlus {
 
     /// Forms \[M\], and decides whether to explore.
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
-        self.percept = Some(*percept);
         self.heading = self.model.explore(percept);
         self.credit.observe(percept)
     }
 
     /// Chooses the next step of exploration. If nothing is left to explore, the rules choose.
-    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+    fn choose(
+        &mut self,
+        percept: &Percept,
+        values: &PredictionArray,
+        explorer: &mut Explorer,
+    ) -> Choice {
         match self.heading {
             Some(action) => Choice::new(action, DecisionSource::Planner),
             None if self.model.plans_exploration() => {
                 Choice::new(explorer.exploit(values), DecisionSource::Rules)
             }
-            None => self.credit.choose(values, explorer),
+            None => self.credit.choose(percept, values, explorer),
         }
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome, next: Option<&Percept>) -> StepCredit {
-        let percept = self.percept.expect("`observe` comes before `update`");
-        let credit = self.credit.update(action, outcome, next);
-        self.model.learn(&percept, action, outcome, next);
+    fn update(&mut self, step: &Transition<'_>) -> StepCredit {
+        let credit = self.credit.update(step);
+        self.model.learn(step);
         self.replay.learn(self.model.examples());
-        self.replay.after_step(self.credit.xcs_mut(), next);
+        self.replay.after_step(self.credit.xcs_mut(), step.next);
         credit
     }
 

@@ -3,16 +3,14 @@
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::plus::WorldModel;
-use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Params, StepCredit};
+use crate::agent::{Agent, Choice, DecisionSource, EndCredit, Params, StepCredit, Transition};
 use xcs::{Action, Percept, PredictionArray};
-use xcscr_robot::arena::Outcome;
 
 /// The method `r-max`.
 #[derive(Debug, Clone)]
 pub struct RMax {
     model: WorldModel,
     params: Params,
-    percept: Option<Percept>,
     heading: Option<Action>,
 }
 
@@ -22,7 +20,6 @@ impl RMax {
         Self {
             model,
             params,
-            percept: None,
             heading: None,
         }
     }
@@ -34,12 +31,11 @@ impl Agent for RMax {
     }
 
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
-        self.percept = Some(*percept);
         self.heading = self.model.explore(percept);
         self.model.values(percept)
     }
 
-    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+    fn choose(&mut self, _: &Percept, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         if let Some(action) = self.heading {
             return Choice::new(action, DecisionSource::Planner);
         }
@@ -51,11 +47,10 @@ impl Agent for RMax {
         Choice::by(DecisionSource::Table, action, by_chance)
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome, next: Option<&Percept>) -> StepCredit {
-        let percept = self.percept.expect("`observe` comes before `update`");
-        self.model.learn(&percept, action, outcome, next);
+    fn update(&mut self, step: &Transition<'_>) -> StepCredit {
+        self.model.learn(step);
         StepCredit {
-            short_term_reward: self.params.short_term(outcome),
+            short_term_reward: self.params.short_term(step.outcome),
             ..StepCredit::default()
         }
     }

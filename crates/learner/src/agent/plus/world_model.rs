@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::model::Generalisation;
 use crate::agent::model::collision_rules::CollisionRules;
-use crate::agent::model::transitions::{Transition, Transitions};
+use crate::agent::model::transitions::{Experience, Transitions};
 use crate::agent::planner::exploration::{Exploration, Inputs};
 use crate::agent::planner::sweeping::PlannedValues;
-use crate::agent::{Params, PlusParams};
+use crate::agent::{Params, PlusParams, Transition};
 use xcs::random::Stream;
 use xcs::{Action, LabelledExample, Layout, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
@@ -26,7 +26,7 @@ pub struct WorldModel {
     /// Breaks ties between equally good paths.
     stream: Stream,
     /// The last step of this episode.
-    last: Option<Transition>,
+    last: Option<Experience>,
 }
 
 impl WorldModel {
@@ -66,20 +66,21 @@ impl WorldModel {
         self.last = None;
     }
 
-    /// Learns from a step. `next` is the next percept, unless the robot is at a goal.
-    pub fn learn(
-        &mut self,
-        percept: &Percept,
-        action: Action,
-        outcome: Outcome,
-        next: Option<&Percept>,
-    ) {
+    /// Learns from a step.
+    pub fn learn(&mut self, step: &Transition<'_>) {
+        let Transition {
+            percept,
+            action,
+            outcome,
+            next,
+            ..
+        } = *step;
         let bumped = matches!(outcome, Outcome::Collided { .. });
         if self.own.collision_rules && self.collisions.learn(percept, action, bumped) {
             self.exploration.invalidate();
         }
         let is_goal = outcome == Outcome::ReachedGoal;
-        let step = Transition {
+        let step = Experience {
             percept: *percept,
             action,
             reward: self.params.short_term(outcome) + if is_goal { self.params.goal } else { 0.0 },
@@ -91,7 +92,7 @@ impl WorldModel {
     }
 
     /// Learns whether the last two steps led there and back.
-    fn learn_return(&mut self, second: &Transition, bumped: bool) {
+    fn learn_return(&mut self, second: &Experience, bumped: bool) {
         let Some(first) = self.last.filter(|_| self.own.return_rules && !bumped) else {
             return;
         };
@@ -105,7 +106,7 @@ impl WorldModel {
     }
 
     /// Counts a transition, and updates the plan.
-    fn learn_transition(&mut self, step: &Transition, bumped: bool) {
+    fn learn_transition(&mut self, step: &Experience, bumped: bool) {
         let (number, action) = (self.meet(&step.percept), step.action);
         let known = self.transitions.is_known(number, action);
         let next = step.next.map(|next| self.meet(&next));

@@ -12,8 +12,8 @@ use traces::Traces;
 use crate::agent::credit::params::Params;
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::model::transitions::{Transition, Transitions};
-use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit};
+use crate::agent::model::transitions::{Experience, Transitions};
+use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit, Transition};
 use xcs::PredictionArray;
 use xcs::random::Stream;
 use xcs::{Action, Percept};
@@ -49,10 +49,8 @@ pub struct Tabular {
     params: Params,
     own: TabularParams,
     table: Table,
-    /// The present percept.
-    percept: Option<Percept>,
     /// The last step, until it is learned.
-    pending: Option<Transition>,
+    pending: Option<Experience>,
 }
 
 impl Tabular {
@@ -63,7 +61,6 @@ impl Tabular {
             params,
             own,
             table: Table::new(actions),
-            percept: None,
             pending: None,
         }
     }
@@ -73,7 +70,7 @@ impl Tabular {
         let Some(pending) = self.pending.take() else {
             return;
         };
-        let step = Transition { next, ..pending };
+        let step = Experience { next, ..pending };
         let (alpha, gamma) = (self.own.alpha, self.params.gamma);
         match &mut self.algorithm {
             Algorithm::QLearning => self.table.q_update(&step, alpha, gamma),
@@ -106,36 +103,35 @@ impl Tabular {
 
 impl Agent for Tabular {
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
-        self.percept = Some(*percept);
         self.table.values(percept)
     }
 
-    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+    fn choose(&mut self, _: &Percept, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let (action, explores) = explorer.choose(values);
         Choice::by(DecisionSource::Table, action, explores)
     }
 
-    fn update(&mut self, action: Action, outcome: Outcome, next: Option<&Percept>) -> StepCredit {
-        let percept = self.percept.expect("`observe` is called before `update`");
+    fn update(&mut self, step: &Transition<'_>) -> StepCredit {
+        let (percept, action) = (*step.percept, step.action);
         let is_sarsa = matches!(self.algorithm, Algorithm::SarsaLambda(_));
         if is_sarsa {
             self.learn(Some(percept), Some(action));
         }
-        let short_term_reward = self.params.short_term(outcome);
-        let goal = if outcome == Outcome::ReachedGoal {
+        let short_term_reward = self.params.short_term(step.outcome);
+        let goal = if step.outcome == Outcome::ReachedGoal {
             self.params.goal
         } else {
             0.0
         };
-        self.pending = Some(Transition {
+        self.pending = Some(Experience {
             percept,
             action,
             reward: short_term_reward + goal,
             next: None,
         });
         // Sarsa learns a step when the next action is known.
-        if !is_sarsa || next.is_none() {
-            self.learn(next.copied(), None);
+        if !is_sarsa || step.next.is_none() {
+            self.learn(step.next.copied(), None);
         }
         StepCredit {
             short_term_reward,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::agent::knowledge::Knowledge;
-use crate::agent::model::transitions::Transition;
+use crate::agent::model::transitions::Experience;
 use xcs::PredictionArray;
 use xcs::{Action, ByAction, Percept};
 
@@ -67,7 +67,7 @@ impl Table {
     }
 
     /// Performs one Q-learning update: toward the reward plus the discounted greatest next value.
-    pub fn q_update(&mut self, transition: &Transition, alpha: f64, gamma: f64) {
+    pub fn q_update(&mut self, transition: &Experience, alpha: f64, gamma: f64) {
         let target = transition.reward + gamma * self.greatest(transition.next.as_ref());
         let q = self.entry(transition.percept, transition.action);
         *q += alpha * (target - *q);
@@ -84,7 +84,7 @@ mod tests {
         let action = Action::new(1).unwrap();
         let mut table = Table::new(2);
         *table.entry(there, action) = 100.0;
-        let step = |next| Transition {
+        let step = |next| Experience {
             percept: here,
             action,
             reward: -1.0,

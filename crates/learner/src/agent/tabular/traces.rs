@@ -1,6 +1,6 @@
 //! Eligibility traces of Sarsa(lambda).
 
-use crate::agent::model::transitions::Transition;
+use crate::agent::model::transitions::Experience;
 use crate::agent::tabular::table::Table;
 use xcs::{Action, Percept};
 
@@ -19,7 +19,7 @@ impl Traces {
     pub(super) fn learn(
         &mut self,
         table: &mut Table,
-        transition: &Transition,
+        transition: &Experience,
         next: Option<Action>,
         [alpha, gamma, decay]: [f64; 3],
     ) {

@@ -1,6 +1,6 @@
 //! Limits on updates per step, and waiting updates.
 
-use crate::agent::model::transitions::Transition;
+use crate::agent::model::transitions::Experience;
 use crate::agent::planner::sweeping::*;
 use xcs::Percept;
 use xcs::random::Stream;
@@ -22,7 +22,7 @@ fn updates_of_noise(steps: usize) -> (PlannedValues, Vec<(bool, usize)>) {
         let number = model.meet(&percept(here));
         let is_new = model.outcomes(number, action).tries() == 0;
         let reward = if there.is_none() { 999.0 } else { -1.0 };
-        let step = Transition {
+        let step = Experience {
             percept: percept(here),
             action,
             reward,
