@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::disk;
 use crate::study::protocol::Arm;
-use crate::study::statistics::{Z_95, rounded};
+use crate::study::statistics::{rounded, t_95};
 use crate::study::store::StudyFolder;
 use crate::study::store::outputs::LEARNING_CURVES;
 
@@ -19,7 +19,7 @@ pub struct CurvePoint {
     /// From 1.
     pub episode: u32,
     pub trials: u64,
-    /// Mean steps of the episode, and a normal 95 % interval of this mean.
+    /// Mean steps of the episode, and Student's 95 % interval of this mean; the mean itself for a single trial.
     pub steps: f64,
     pub low: f64,
     pub high: f64,
@@ -50,12 +50,13 @@ impl CurveSums {
     /// Returns the curve of an arm.
     pub fn points(&self, arm: &Arm) -> Vec<CurvePoint> {
         let n = self.trials as f64;
+        let t = t_95(self.trials);
         let point = |(at, &(sum, squares)): (usize, &(u64, u128))| {
             let mean = sum as f64 / n;
             // In integers, to lose no precision where the steps hardly differ.
             let deviation = u128::from(self.trials) * squares - u128::from(sum) * u128::from(sum);
             let variance = deviation as f64 / (n * (n - 1.0).max(1.0));
-            let margin = Z_95 * (variance / n).sqrt();
+            let margin = t * (variance / n).sqrt();
             CurvePoint {
                 world: arm.world.clone(),
                 method: arm.method_name().to_owned(),
@@ -113,9 +114,9 @@ mod tests {
     use super::*;
     use crate::study::protocol::frozen;
 
-    /// By hand: 4, 6 and 11 have the mean 7 and the sample variance 13; 1.96 times the root of 13/3 is 4.079990.
+    /// By hand: 4, 6 and 11 have the mean 7 and the sample variance 13; 4.302653 times the root of 13/3 is 8.956686.
     #[test]
-    fn the_interval_of_a_mean_is_1_96_standard_errors_to_each_side() {
+    fn the_interval_of_a_mean_is_that_of_student() {
         let mut sums = CurveSums::default();
         for steps in [4, 6, 11] {
             sums.add([steps, 5].into_iter());
@@ -125,7 +126,7 @@ mod tests {
         let arm = &frozen(file, &[]).unwrap().arms[0];
         let points = sums.points(arm);
         let figures = |point: &CurvePoint| [point.steps, point.low, point.high];
-        assert_eq!(figures(&points[0]), [7.0, 2.920_01, 11.079_99]);
+        assert_eq!(figures(&points[0]), [7.0, -1.956_686, 15.956_686]);
         assert_eq!(figures(&points[1]), [5.0, 5.0, 5.0]);
         assert_eq!((points[0].episode, points[0].trials), (1, 3));
         let mut table = csv::Writer::from_writer(Vec::new());

@@ -8,11 +8,8 @@ use crate::page::Table;
 use crate::sensor::Sensor;
 use crate::study::analysis::summary::{ArmRecords, by_score, by_steps, by_success};
 use crate::study::protocol::{Arm, NOTHING};
-use crate::study::statistics::{Interval, holm, rounded, trials_needed};
+use crate::study::statistics::{ALPHA, Interval, Pairs, SignTest, holm, rounded};
 use crate::trial::flatten;
-
-/// The accepted probability of a type I error.
-const ALPHA: f64 = 0.05;
 
 /// The comparison of one method, or variant, with another in one world.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -45,8 +42,15 @@ pub struct Comparison {
     pub lower: u64,
     /// The sign test's exact p that either is higher equally often, after Holm's correction.
     pub score_holm_p: f64,
-    /// Trials of each that would distinguish such shares with a power of 80 %.
+    /// Trials of each with which McNemar's test, corrected for the number of comparisons, would decide such shares with
+    /// a power of 80 %.
     pub trials_needed: Option<u64>,
+    /// The number of comparisons for which Holm's correction accounts.
+    #[serde(skip)]
+    pub corrected_for: usize,
+    /// The pairs by which of the two had the optimal trial.
+    #[serde(skip)]
+    successes: Pairs,
 }
 
 /// Maximum number of swept combinations to compare. More are a search.
@@ -96,18 +100,20 @@ impl Comparison {
         let shares = corrected(|one| one.mcnemar_p);
         let steps = corrected(|one| one.steps_holm_p);
         let scores = corrected(|one| one.score_holm_p);
+        let corrected_for = members.len();
         for (at, one) in members.iter_mut().enumerate() {
             one.mcnemar_p = rounded(one.mcnemar_p);
             one.holm_p = rounded(shares[at]);
             one.steps_holm_p = rounded(steps[at]);
             one.score_holm_p = rounded(scores[at]);
+            one.corrected_for = corrected_for;
+            one.trials_needed = one.trials_needed();
         }
         members
     }
 
     fn new(pair: &Pair<'_>) -> Self {
         let (a, b) = (pair.one, pair.other);
-        let (ours, theirs) = (a.successes(), b.successes());
         let (successes, steps) = (a.pairs(b, by_success), a.pairs(b, by_steps));
         let scores = a.pairs(b, by_score);
         let [method, against, setting] = pair.names.clone();
@@ -125,8 +131,17 @@ impl Comparison {
             higher: scores.better,
             lower: scores.worse,
             score_holm_p: scores.p(),
-            trials_needed: trials_needed(ours.share(), theirs.share()),
+            trials_needed: None,
+            corrected_for: 1,
+            successes,
         }
+    }
+
+    fn trials_needed(&self) -> Option<u64> {
+        let count = self.successes.count().max(1) as f64;
+        let [better, worse] =
+            [self.successes.better, self.successes.worse].map(|pairs| pairs as f64 / count);
+        SignTest::of(self.corrected_for).pairs_needed(better, worse)
     }
 }
 
@@ -331,7 +346,8 @@ pub const LEGEND: &str = "Trials with the same seed are pairs. points: how much 
     optimal trials is, with McNemar's exact p. sooner, later: the number of pairs in which the first needed fewer or more \
     environment steps to its first optimum (a trial without one counts as later than any with one), \
     with the p of the sign test. score: the same for the scores of the final greedy policies. Holm: corrected over all worlds and methods (or parts left out, or values of a sweep) of one setting. \
-    trials needed: trials of each to distinguish such shares with a power of 80 %, without pairs.";
+    trials needed: trials of each with which McNemar's test would decide such shares with a power of 80 %, at the \
+    strictest level of Holm's correction.";
 
 /// Formats a p-value with four decimals.
 pub fn p_value(p: f64) -> String {

@@ -1,7 +1,7 @@
 //! What the comparisons of a study decide, and what they leave open, in sentences.
 
 use super::comparisons::{Comparison, p_value};
-use crate::study::statistics::{detectable_difference, detectable_share};
+use crate::study::statistics::SignTest;
 
 /// Maximum number of comparisons to list one by one.
 const MOST_NAMED: usize = 4;
@@ -50,26 +50,37 @@ pub fn undecided(comparisons: &[Comparison]) -> Option<String> {
     })
 }
 
-/// Describes which differences `trials` trials of each detect, and which they may miss.
-pub fn power(trials: usize) -> String {
-    let trials = trials as u64;
-    let share = detectable_difference(trials);
-    let share = share.map_or(
+/// Describes which differences `trials` pairs of trials detect, and which they may miss, at the strictest level of the
+/// correction that the comparisons need.
+pub fn power(trials: usize, comparisons: &[Comparison]) -> Option<String> {
+    let most = comparisons.iter().map(|one| one.corrected_for).max()?;
+    let (pairs, test) = (trials as u64, SignTest::of(most));
+    let correction = if most > 1 {
+        format!(", corrected for {most} comparisons,")
+    } else {
+        String::new()
+    };
+    let share = test.detectable_difference(pairs).map_or(
         "no difference of the shares of optimal trials".to_owned(),
-        |found| {
-            let [low, high] = [0.5 - found / 2.0, 0.5 + found / 2.0].map(|share| 100.0 * share);
-            format!("a difference such as {low:.0} against {high:.0} % of optimal trials")
+        |by| {
+            let [low, high] = [-0.5, 0.5].map(|side| 100.0 * (0.5 + side * by));
+            format!(
+                "a difference such as {low:.0} against {high:.0} % of optimal trials, if the trials of a pair are \
+                 independent"
+            )
         },
     );
-    let sooner = detectable_share(trials);
-    let sooner = sooner.map_or("none in the steps".to_owned(), |found| {
-        format!(
-            "one in the steps if a method is sooner in {:.0} % of the pairs",
-            100.0 * found
-        )
-    });
-    format!(
-        "{trials} trials of each detect {share} four times in five, and {sooner}. Smaller differences \
+    let better = test.detectable_share(pairs).map_or(
+        "no difference in the steps or the score".to_owned(),
+        |share| {
+            let percent = 100.0 * share;
+            format!(
+                "one in the steps or the score if a method is better in {percent:.0} % of the pairs"
+            )
+        },
+    );
+    Some(format!(
+        "The tests of {trials} pairs{correction} detect {share}, and {better}, four times in five. Smaller differences \
          are missed more often."
-    )
+    ))
 }

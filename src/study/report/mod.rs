@@ -171,9 +171,7 @@ impl Report {
         let mut limits = vec![results::limits(&self.arms, self.episodes)];
         limits.extend(conclusions::undecided(&self.comparisons));
         limits.extend(comparisons::of_searches(&self.protocol.arms));
-        if !self.comparisons.is_empty() {
-            limits.push(conclusions::power(self.trials));
-        }
+        limits.extend(conclusions::power(self.trials, &self.comparisons));
         limits
     }
 }

@@ -4,7 +4,6 @@ use std::cmp::Ordering;
 
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-use super::proportion::Z_80;
 use super::{Interval, Z_95};
 
 /// Counts of pairs by which of the two was better. Pairs without a difference carry no information.
@@ -60,19 +59,6 @@ impl Pairs {
     }
 }
 
-/// Returns the smallest share of pairs, above one half, that must be better so that `pairs` pairs
-/// detect it with a power of 80 %, at 5 % error, by the normal approximation. `None` if no share is
-/// large enough.
-pub fn detectable_share(pairs: u64) -> Option<f64> {
-    let enough = |share: f64| {
-        let root = (Z_95 * 0.5 + Z_80 * (share * (1.0 - share)).sqrt()) / (share - 0.5);
-        root * root <= pairs as f64
-    };
-    (51..=100)
-        .map(|percent| f64::from(percent) / 100.0)
-        .find(|&share| enough(share))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -123,13 +109,5 @@ mod tests {
             "{all:?}"
         );
         assert_eq!(pairs(0, 0, 0).difference().value, 0.0);
-    }
-
-    /// The exact power of the sign test, summed over all outcomes in Python, is 0.80 and 0.77.
-    #[test]
-    fn a_share_of_pairs_that_is_detected_four_times_in_five() {
-        assert_eq!(detectable_share(30), Some(0.75));
-        assert_eq!(detectable_share(100), Some(0.64));
-        assert_eq!(detectable_share(2), None);
     }
 }

@@ -50,54 +50,10 @@ impl Proportion {
     }
 }
 
-/// The 80 % quantile of the normal distribution.
-pub(super) const Z_80: f64 = 0.841_621_233_572_914_3;
-
-/// Returns the trials per group with which Fisher's exact test distinguishes two shares with a
-/// power of 80 %, at 5 % error. Uses the formula of Casagrande, Pike and Smith (1978). `None` when
-/// the shares are equal.
-pub fn trials_needed(a: f64, b: f64) -> Option<u64> {
-    if a == b {
-        return None;
-    }
-    let mean = f64::midpoint(a, b);
-    let under_equality = (2.0 * mean * (1.0 - mean)).sqrt();
-    let under_difference = (a * (1.0 - a) + b * (1.0 - b)).sqrt();
-    let root = (Z_95 * under_equality + Z_80 * under_difference) / (a - b);
-    let uncorrected = root * root;
-    let correction = 1.0 + (1.0 + 4.0 / (uncorrected * (a - b).abs())).sqrt();
-    Some((uncorrected * correction * correction / 4.0).ceil() as u64)
-}
-
-/// Returns the smallest difference of two shares around one half, in hundredths, that `trials`
-/// trials per group detect with a power of 80 % by [`trials_needed`]. `None` if not even 0 against
-/// 1 is detected.
-pub fn detectable_difference(trials: u64) -> Option<f64> {
-    let mut shares = (1..=50).map(|percent| f64::from(percent) / 100.0);
-    let found = |half: &f64| trials_needed(0.5 - half, 0.5 + half).is_some_and(|n| n <= trials);
-    shares.find(found).map(|half| 2.0 * half)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::study::statistics::assert_close;
-
-    #[test]
-    fn trials_needed_give_fishers_test_its_power() {
-        // The power of Fisher's test, summed over all tables in Python, is 0.82, 0.82, 0.90, 0.80.
-        for (a, b, trials) in [
-            (0.65, 0.10, 15),
-            (0.79, 0.48, 43),
-            (0.46, 0.02, 18),
-            (0.54, 0.29, 68),
-        ] {
-            assert_eq!(trials_needed(a, b), Some(trials), "{a} against {b}");
-        }
-        assert_eq!(trials_needed(0.79, 0.77), Some(6833));
-        assert_eq!(trials_needed(1.0, 0.0), Some(4));
-        assert_eq!(trials_needed(0.5, 0.5), None);
-    }
 
     #[test]
     fn wilson_intervals_as_in_scipy() {
