@@ -110,6 +110,38 @@ def test_each_environment_of_a_vector_is_recorded_as_if_it_were_alone(mode, argu
     assert read("many/env-0") != read("one"), "control"
 
 
+def test_a_refused_reset_leaves_the_episodes_of_a_vector_as_they_are(tmp_path):
+    read = {}
+    for name in ("plain", "refused"):
+        env = xcscr.RecordVector(gymnasium.make_vec("xcscr/Maze4-v0", num_envs=2, arena="grid"), tmp_path / name)
+        env.reset(seed=1)
+        env.step(np.array([1, 1]))
+        if name == "refused":
+            with pytest.raises(ValueError, match="start"):
+                env.reset(options={"start": (0, 0)})
+        env.step(np.array([1, 2]))
+        env.close()
+        read[name] = [(tmp_path / name / f"env-{lane}/run.mcap").read_bytes() for lane in range(2)]
+    assert read["refused"] == read["plain"]
+
+
+def test_the_robots_of_a_vector_are_observed_once_for_all_episodes_that_end_together(tmp_path):
+    env = xcscr.RecordVector(gymnasium.make_vec("xcscr/Maze4-v0", num_envs=16, arena="grid", max_steps=1), tmp_path / "run")
+    robots, calls = env._mazes._robots, []
+
+    class Counting:
+        def __getattr__(self, name):
+            calls.append(name)
+            return getattr(robots, name)
+
+    env.reset(seed=1)
+    env._mazes._robots = Counting()
+    for _ in range(4):
+        env.step(np.zeros(16, int))
+    assert calls.count("observe") == 2 and calls.count("step") == 4, calls
+    env.close()
+
+
 def drive(folder, last=0.2):
     """Records two episodes of wheel speeds, and returns the rewards."""
     env = xcscr.Record(gymnasium.make("xcscr/Wheels-v0", max_steps=40, noise=2.0, collision_reward=-1.0), folder)

@@ -104,8 +104,7 @@ class RecordVector(gymnasium.vector.VectorWrapper):
     def close(self, **kwargs: Any) -> None:
         """Writes the last episodes, and finishes the recordings."""
         try:
-            for lane in range(self._mazes.num_envs):
-                self._mazes._finish(lane)
+            self._mazes._finish()
             for recording in self._recordings:
                 recording.close()
         finally:

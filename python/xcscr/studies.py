@@ -10,6 +10,7 @@ import re
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from statistics import NormalDist
 from typing import Any, Protocol
 
 import numpy
@@ -126,7 +127,7 @@ def _optimal_at(steps: Any, ends: Any, optimal: Any) -> Any:
 
 def _wilson(successes: Any, trials: int) -> tuple[Any, Any]:
     """Returns the limits of Wilson's 95 % interval of a share."""
-    z = 1.96
+    z = NormalDist().inv_cdf(0.975)
     middle, width = successes + z * z / 2, z * numpy.sqrt(successes * (trials - successes) / trials + z * z / 4)
     return (middle - width) / (trials + z * z), (middle + width) / (trials + z * z)
 

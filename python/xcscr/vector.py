@@ -20,6 +20,8 @@ from .envs import MazeEnv
 History = tuple[int, tuple[int, int], list[int], list[float]]
 #: The number of an environment, the noise seed and the start of a new episode.
 Begin = tuple[int, int, tuple[int, int]]
+#: The number of an environment, what happened in an episode, and the pose at its end.
+Episode = tuple[int, History, tuple[float, ...]]
 Recorder = Callable[[int, History, tuple[float, ...]], None]
 
 #: The maximum number of environments. A robot in physics takes some 100 kB.
@@ -137,7 +139,9 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
     def _begin(self, lanes: np.ndarray, start: tuple[int, int] | None = None) -> None:
         """Starts an episode in some of the environments, as `MazeEnv.reset` does."""
-        self._robots.reset(self._drawn(lanes, start))
+        begins, ended = self._drawn(lanes, start), self._recorded(lanes)
+        self._robots.reset(begins)
+        self._hand_over(ended, begins)
         self._steps[lanes] = 0
         self._done[lanes] = False
         self._begun[lanes] = True
@@ -150,9 +154,6 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             noise = int(draws.integers(2**63))
             cell = self._starts[int(draws.integers(len(self._starts)))] if start is None else start
             begins.append((lane, noise, (int(cell[0]), int(cell[1]))))
-            if self._recorder is not None:
-                self._finish(lane)
-                self._histories[lane] = (*begins[-1][1:], [], [])
         return begins
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
@@ -163,8 +164,9 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         if self._mode == AutoresetMode.DISABLED and over.any():
             raise gymnasium.error.ResetNeeded(f"the episodes of environments {np.flatnonzero(over).tolist()} are over: reset them")
         # Finished environments do not act in this step: they are reset.
-        begins = self._drawn(np.flatnonzero(over))
+        begins, ended = self._drawn(np.flatnonzero(over)), self._recorded(np.flatnonzero(over))
         codes, (percepts, facts) = self._robots.step(np.where(over, RESTS, actions).astype(np.uint8).tobytes(), begins)
+        self._hand_over(ended, begins)
         outcome = np.frombuffer(codes, np.uint8)
         acted = ~over
         self._steps = np.where(over, 0, self._steps + 1)
@@ -198,13 +200,32 @@ class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
                 history[2].append(int(actions[lane]))
                 history[3].append(float(rewards[lane]))
 
-    def _finish(self, lane: int) -> None:
-        """Passes the episode of an environment to the recorder, with the pose at its end."""
-        history, self._histories[lane] = self._histories[lane], None
-        if history is not None and history[2] and self._recorder is not None:
-            _, facts = self._robots.observe()
-            pose = np.frombuffer(facts).reshape(self.num_envs, -1)[lane, 2:5]
-            self._recorder(lane, history, tuple(pose.tolist()))
+    def _recorded(self, lanes: np.ndarray) -> list[Episode]:
+        """Returns the recorded episodes of some of the environments, with the poses at their ends."""
+        if self._recorder is None:
+            return []
+        histories = [(lane, self._histories[lane]) for lane in lanes.tolist()]
+        recorded = [(lane, history) for lane, history in histories if history is not None and history[2]]
+        if not recorded:
+            return []
+        _, facts = self._robots.observe()
+        poses = np.frombuffer(facts).reshape(self.num_envs, -1)[:, 2:5]
+        return [(lane, history, tuple(poses[lane].tolist())) for lane, history in recorded]
+
+    def _hand_over(self, episodes: list[Episode], begins: list[Begin]) -> None:
+        """Passes episodes to the recorder, and starts the histories of new ones."""
+        if self._recorder is None:
+            return
+        for lane, noise, start in begins:
+            self._histories[lane] = (noise, start, [], [])
+        for episode in episodes:
+            self._recorder(*episode)
+
+    def _finish(self) -> None:
+        """Passes the unfinished episodes to the recorder."""
+        ended = self._recorded(np.arange(self.num_envs))
+        self._histories = [None] * self.num_envs
+        self._hand_over(ended, [])
 
     def _after_end(self, infos: dict[str, Any], observations: np.ndarray) -> tuple[dict[str, Any], np.ndarray]:
         """Resets the finished environments and stores their final observations and infos."""
