@@ -1,24 +1,15 @@
 //! A lock on a folder that allows only one process to work in it.
 
-use std::collections::hash_map::RandomState;
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::hash::{BuildHasher, Hasher};
-use std::io::{self, Seek, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::thread::sleep;
-use std::time::Duration;
 
 use crate::error::{Error, ErrorKind};
 
-/// The name of the lock file. It contains the process id of the holder, and a number that differs
-/// between two locks.
+/// The name of the lock file. It contains the process id of the holder.
 pub const LOCK: &str = "run.lock";
 /// The most bytes that are read of a lock file.
 const MOST_BYTES: u64 = 64;
-/// Number of attempts to acquire a lock whose holder is just starting or exiting.
-const TRIES: usize = 50;
-/// Pause between two attempts.
-const PAUSE: Duration = Duration::from_millis(5);
 
 /// Error codes of file systems without locks: ENOSYS, ENOTSUP, ENOLCK.
 #[cfg(target_os = "linux")]
@@ -49,61 +40,74 @@ impl FolderLock {
             let message = "it was not made by this program; move it away";
             return Err(fault(io::Error::other(message)));
         }
-        let mut holder = None;
-        for _ in 0..TRIES {
-            let file = open(&path).map_err(&fault)?;
+        loop {
+            let mut file = open(&path).map_err(&fault)?;
             match file.try_lock() {
-                Ok(()) => {
-                    if let Some(lock) = Self::signed(file, &path).map_err(&fault)? {
-                        return Ok(lock);
-                    }
+                Ok(()) if is_at(&file, &path).map_err(&fault)? => {
+                    sign(&mut file).map_err(&fault)?;
+                    let file = Some(file);
+                    return Ok(Self { file, path });
                 }
-                Err(TryLockError::WouldBlock) => {
-                    holder = pid_in(&path).ok().flatten();
-                    if holder.is_some() {
-                        break;
-                    }
-                }
+                // The previous holder has removed this file in the meantime.
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => return Err(in_use(folder, &path)),
                 Err(TryLockError::Error(cause)) if has_no_locks(&cause) => {
                     return Ok(Self { file: None, path });
                 }
                 Err(TryLockError::Error(cause)) => return Err(fault(cause)),
             }
-            sleep(PAUSE);
         }
-        let holder = holder.map_or("another process".to_owned(), |pid| format!("process {pid}"));
-        let message = format!(
-            "{} is in use by {holder}: wait for it, or use another folder",
-            folder.display()
-        );
-        Err(ErrorKind::CannotCreate.error(message))
-    }
-
-    /// Writes the process id into a locked file. Returns `None` if the previous holder has removed
-    /// this file in the meantime. The file at `path` may then be the lock of another process, which
-    /// must stay.
-    fn signed(mut file: File, path: &Path) -> io::Result<Option<Self>> {
-        let number = RandomState::new().build_hasher().finish();
-        let signature = format!("{}\n{number}\n", std::process::id());
-        file.set_len(0)?;
-        file.rewind()?;
-        file.write_all(signature.as_bytes())?;
-        let is_current = contents(path)?.is_some_and(|text| text == signature);
-        Ok(is_current.then(|| Self {
-            file: Some(file),
-            path: path.to_owned(),
-        }))
     }
 }
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
         if let Some(file) = &self.file {
-            // A lock file that cannot be removed is harmless: the lock ends with the process.
-            let _ = fs::remove_file(&self.path);
+            // Where `is_at` cannot compare files, the file must stay. A lock file that stays is
+            // harmless: the lock ends with the process.
+            if cfg!(unix) {
+                let _ = fs::remove_file(&self.path);
+            }
             let _ = file.unlock();
         }
     }
+}
+
+/// Writes the process id into a locked file.
+fn sign(file: &mut File) -> io::Result<()> {
+    file.set_len(0)?;
+    file.write_all(format!("{}\n", std::process::id()).as_bytes())
+}
+
+/// Returns true if an open file is the one at a path. Otherwise the file at the path may be the lock of another
+/// process.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> io::Result<bool> {
+    use std::os::unix::fs::MetadataExt;
+    let ours = file.metadata()?;
+    match fs::symlink_metadata(path) {
+        Ok(there) => Ok((ours.dev(), ours.ino()) == (there.dev(), there.ino())),
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(cause) => Err(cause),
+    }
+}
+
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> io::Result<bool> {
+    Ok(true)
+}
+
+/// Returns the error for a folder that another process has locked.
+fn in_use(folder: &Path, lock: &Path) -> Error {
+    let text = super::read_text(lock, MOST_BYTES).unwrap_or_default();
+    let holder = match text.trim().parse::<u32>() {
+        Ok(pid) => format!("process {pid}"),
+        Err(_) => "another process".to_owned(),
+    };
+    let folder = folder.display();
+    ErrorKind::CannotCreate.error(format!(
+        "{folder} is in use by {holder}: wait for it, or use another folder"
+    ))
 }
 
 /// Returns true for the error of a file system that has no locks, such as Lustre without `flock`.
@@ -142,25 +146,6 @@ pub fn is_in_use(folder: &Path) -> bool {
     file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
 }
 
-/// Returns the process id in a lock file; `None` if there is no id or no file.
-fn pid_in(path: &Path) -> io::Result<Option<u32>> {
-    let text = contents(path)?.unwrap_or_default();
-    Ok(text.lines().next().and_then(|line| line.parse().ok()))
-}
-
-/// Returns the text of a lock file; `None` if there is no such file, or it has other contents.
-fn contents(path: &Path) -> io::Result<Option<String>> {
-    match super::read_text(path, MOST_BYTES) {
-        Ok(text) => Ok(Some(text)),
-        Err(cause) => match cause.kind() {
-            io::ErrorKind::NotFound | io::ErrorKind::InvalidData | io::ErrorKind::FileTooLarge => {
-                Ok(None)
-            }
-            _ => Err(cause),
-        },
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -178,7 +163,7 @@ mod tests {
         drop(first);
         let holder = acquire(folder.path()).unwrap();
         late.try_lock().unwrap();
-        assert!(FolderLock::signed(late, &path).unwrap().is_none());
+        assert!(!is_at(&late, &path).unwrap());
         assert!(path.exists(), "the holder's file is removed");
         acquire(folder.path()).unwrap_err();
         assert!(is_in_use(folder.path()));
@@ -186,6 +171,11 @@ mod tests {
         drop(holder);
         drop(acquire(folder.path()).unwrap());
         assert!(!path.exists());
+        // A copy is not the locked file, although it reads the same.
+        let copied = open(&path).unwrap();
+        fs::copy(&path, folder.path().join("copy")).unwrap();
+        fs::rename(folder.path().join("copy"), &path).unwrap();
+        assert!(!is_at(&copied, &path).unwrap() && is_at(&open(&path).unwrap(), &path).unwrap());
         fs::write(&path, "123\n").unwrap();
         assert!(!is_in_use(folder.path()), "left by a killed process");
     }
