@@ -77,7 +77,7 @@ pub enum Command {
     /// Check, show, describe and generate world files.
     #[command(subcommand)]
     World(WorldCommand),
-    /// List and show robot profiles.
+    /// Show robot profiles.
     #[command(subcommand)]
     Robot(RobotCommand),
     /// Show all settings and where each value comes from.

@@ -10,7 +10,7 @@ use xcscr::{Error, ErrorKind};
 use super::choices::{self, SettingsArgs};
 use super::failure::Failure;
 use super::interrupt::Interrupt;
-use super::learned::LearnedArgs;
+use super::learned::{Learned, LearnedArgs};
 use super::output::print_json;
 use super::results::Results;
 use super::terminal::write_row;
@@ -46,7 +46,11 @@ pub struct EvaluateArgs {
 
 impl EvaluateArgs {
     fn plan(&self) -> Result<(Plan, Knowledge), Failure> {
-        let (mut plan, knowledge) = self.learned.load(self.arena)?;
+        let Learned {
+            mut plan,
+            knowledge,
+            ..
+        } = self.learned.load(self.arena)?;
         let config = &mut plan.config;
         config.seed = self.seed;
         config.arena = self.arena.unwrap_or(config.arena);

@@ -1,17 +1,13 @@
 //! `xcscr export`: exports the policy as source code or data.
 
-use std::ffi::OsStr;
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValue, TypedValueParser};
-use clap::error::{ContextKind, ContextValue};
-use clap::{Arg, Command};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use xcscr::ErrorKind;
 use xcscr::export::{Policy, Provenance, Target};
 
-use super::choices;
 use super::failure::Failure;
-use super::learned::LearnedArgs;
+use super::learned::{Learned, LearnedArgs};
 use super::output::OutputFile;
 use super::results::Results;
 
@@ -21,7 +17,7 @@ pub struct ExportArgs {
     #[command(flatten)]
     learned: LearnedArgs,
     /// Format: source code that chooses the same actions as `evaluate`, or the rules as data.
-    #[arg(long, value_parser = TargetParser)]
+    #[arg(long, value_parser = target())]
     target: Target,
     /// File to write [default: standard output].
     #[arg(short, long, value_name = "FILE")]
@@ -31,39 +27,20 @@ pub struct ExportArgs {
     force: bool,
 }
 
-/// Parses a target by its name. For `c`, suggests C99, where likeness alone suggests CSV.
-#[derive(Clone)]
-struct TargetParser;
-
-impl TypedValueParser for TargetParser {
-    type Value = Target;
-
-    fn parse_ref(
-        &self,
-        command: &Command,
-        arg: Option<&Arg>,
-        name: &OsStr,
-    ) -> Result<Target, clap::Error> {
-        let target = Self::names().parse_ref(command, arg, name);
-        target.map_err(|mut error| {
-            if name.eq_ignore_ascii_case("c") {
-                let c99 = ContextValue::String(Target::C99.name().to_owned());
-                error.insert(ContextKind::SuggestedValue, c99);
-            }
-            error
-        })
-    }
-
-    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        let names = Target::ALL.iter().map(|target| target.name());
-        Some(Box::new(names.map(PossibleValue::new)))
-    }
-}
-
-impl TargetParser {
-    fn names() -> impl TypedValueParser<Value = Target> {
-        choices::one_of(Target::ALL, Target::name)
-    }
+/// Parses a target by its name, or by the usual name of C.
+fn target() -> impl TypedValueParser<Value = Target> {
+    let value = |target: &Target| {
+        let value = PossibleValue::new(target.name());
+        if *target == Target::C99 {
+            value.alias("c")
+        } else {
+            value
+        }
+    };
+    PossibleValuesParser::new(Target::ALL.iter().map(value)).map(|text| {
+        let named = Target::ALL.iter().find(|target| target.name() == text);
+        named.copied().unwrap_or(Target::C99)
+    })
 }
 
 /// Exports the policy.
@@ -79,9 +56,13 @@ pub fn run(args: &ExportArgs, out: &mut Results) -> Result<(), Failure> {
 }
 
 fn text(args: &ExportArgs) -> Result<String, Failure> {
-    let (plan, knowledge) = args.learned.load(None)?;
+    let Learned {
+        plan,
+        knowledge,
+        trained_cell_m,
+    } = args.learned.load(None)?;
     let (maze, sensor) = (&plan.maze, plan.config.sensor);
-    let cell_m = args.learned.trained_cell_m()?.unwrap_or(maze.cell_size_m());
+    let cell_m = trained_cell_m.unwrap_or(maze.cell_size_m());
     if cell_m != maze.cell_size_m() {
         let message = format!(
             "the policy was trained in cells of {cell_m} m, but {} has cells of {} m: export it without `--world`",

@@ -8,8 +8,6 @@ use std::time::Duration;
 
 use signal_hook::{consts, flag};
 
-use xcscr::ErrorKind;
-
 use super::failure::Failure;
 use super::terminal::say;
 
@@ -78,16 +76,9 @@ impl Interrupt {
     }
 }
 
-/// Turns violations of system limits into exit code 74, where a signal would otherwise kill the
-/// process. Writing beyond a file-size limit fails with an error. When memory runs out, the
-/// standard library reports it on stderr and aborts. The process then ends as if killed, so that
-/// every complete file stays intact.
+/// Makes writing beyond a file-size limit fail with an error, where a signal would otherwise kill the process.
 pub fn limits_are_errors() -> Result<(), Failure> {
-    let unhandled = Failure::system("handle signals");
     #[cfg(unix)]
-    flag::register(consts::SIGXFSZ, Arc::default()).map_err(&unhandled)?;
-    let always = Arc::new(AtomicBool::new(true));
-    let code = ErrorKind::Io.exit_code().into();
-    flag::register_conditional_shutdown(consts::SIGABRT, code, always).map_err(unhandled)?;
+    flag::register(consts::SIGXFSZ, Arc::default()).map_err(Failure::system("handle signals"))?;
     Ok(())
 }

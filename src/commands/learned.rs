@@ -26,6 +26,16 @@ pub struct LearnedArgs {
     sensor: Option<Sensor>,
 }
 
+/// What was learned.
+pub struct Learned {
+    /// The plan of the run, with the world and the percept of the arguments.
+    pub plan: Plan,
+    /// The knowledge.
+    pub knowledge: Knowledge,
+    /// The edge of the cells in which the policy was trained, in metres; `None` for a file of rules.
+    pub trained_cell_m: Option<f64>,
+}
+
 /// Returns the plan of a run and what was learned, from its folder or one of its recordings.
 pub fn of_run(run: &Path, is_recording: bool) -> Result<(Plan, Knowledge), Failure> {
     if is_recording {
@@ -53,17 +63,21 @@ impl LearnedArgs {
         self.run.is_dir()
     }
 
-    /// Returns the plan of the run and what was learned. A file of rules does not name its arena:
-    /// then the arena is `arena`, or physics by default.
-    pub fn load(&self, arena: Option<ArenaKind>) -> Result<(Plan, Knowledge), Failure> {
+    /// Returns what was learned, and its plan. A file of rules does not name its arena: then the arena is
+    /// `arena`, or physics by default.
+    pub fn load(&self, arena: Option<ArenaKind>) -> Result<Learned, Failure> {
         let is_file = self.run.exists() && !self.run.is_dir();
         let is_recording = self.run.extension().is_some_and(|end| end == "mcap");
         if is_file && !is_recording {
             let knowledge = choices::read_rules(&self.run)?;
             let arena = arena.unwrap_or(ArenaKind::Physics);
             let plan = self.plan_of_rules(&knowledge, arena)?;
-            // The file does not say where its percepts are known.
-            return Ok((plan.fitted(), knowledge.elsewhere()));
+            return Ok(Learned {
+                plan: plan.fitted(),
+                // The file does not say where its percepts are known.
+                knowledge: knowledge.elsewhere(),
+                trained_cell_m: None,
+            });
         }
         let (own, knowledge) = of_run(&self.run, is_file)?;
         let mut plan = own.clone();
@@ -75,19 +89,11 @@ impl LearnedArgs {
             true => knowledge,
             false => knowledge.elsewhere(),
         };
-        Ok((plan.fitted(), knowledge))
-    }
-
-    /// Returns the edge of the cells in which the policy of a run was trained, in metres; `None` for
-    /// a file of rules.
-    pub fn trained_cell_m(&self) -> Result<Option<f64>, Failure> {
-        let is_file = self.run.exists() && !self.run.is_dir();
-        let is_recording = self.run.extension().is_some_and(|end| end == "mcap");
-        if is_file && !is_recording {
-            return Ok(None);
-        }
-        let (plan, _) = of_run(&self.run, is_file)?;
-        Ok(Some(plan.maze.cell_size_m()))
+        Ok(Learned {
+            plan: plan.fitted(),
+            knowledge,
+            trained_cell_m: Some(own.maze.cell_size_m()),
+        })
     }
 
     /// Returns a plan for a file of rules.

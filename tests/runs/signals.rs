@@ -1,5 +1,6 @@
 //! Signals: the first one ends a run after its episode, the second one at once.
 
+use std::os::unix::process::ExitStatusExt;
 use std::process::Child;
 
 use crate::kit::desk::Desk;
@@ -58,6 +59,14 @@ fn the_first_signal_ends_the_run_after_its_episode() {
         let again = signalled(&desk, "train --resume @run", &[name]);
         end_of(again, 75, "the resumed run");
     }
+}
+
+/// The standard library aborts when memory runs out: whoever started the program must see that it was killed.
+#[test]
+fn an_abort_kills_the_program_and_has_no_exit_code() {
+    let desk = Desk::new();
+    let status = output_of(signalled(&desk, LONG_RUN, &["ABRT"])).status;
+    assert_eq!((status.code(), status.signal()), (None, Some(6)));
 }
 
 #[cfg(feature = "long")]

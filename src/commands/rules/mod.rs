@@ -9,7 +9,7 @@ use xcscr::trial::{Compacted, Plan};
 use xcscr::world::{Cell, Maze, Paths};
 
 use super::failure::Failure;
-use super::learned::LearnedArgs;
+use super::learned::{Learned, LearnedArgs};
 use super::results::Results;
 
 /// Arguments of `rules`.
@@ -45,7 +45,9 @@ fn cell(text: &str) -> Result<Cell, String> {
 
 /// Prints the rules.
 pub fn run(args: &RulesArgs, out: &mut Results) -> Result<(), Failure> {
-    let (plan, knowledge) = args.learned.load(None)?;
+    let Learned {
+        plan, knowledge, ..
+    } = args.learned.load(None)?;
     let Plan { maze, config } = &plan;
     knowledge.check(config.perception(), maze)?;
     let Some(all) = knowledge.rules() else {
