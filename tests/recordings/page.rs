@@ -74,6 +74,28 @@ fn a_page_has_the_decisions_values_estimates_and_episodes_of_its_recording() {
     assert_eq!(data["poses"][0].as_array().unwrap().len(), 4);
 }
 
+#[test]
+fn the_ellipse_of_a_page_has_the_covariance_of_the_estimate() {
+    let data = data(&player::page(&sample()).unwrap());
+    let mut largest: f64 = 0.0;
+    for fact in data["localisations"].as_array().unwrap() {
+        let number = |of: &Value, name: &str| of[name].as_f64().unwrap();
+        let of_ellipse = |name: &str| number(&fact["ellipse"], name);
+        let (long, short) = (of_ellipse("long_m").powi(2), of_ellipse("short_m").powi(2));
+        let (sine, cosine) = of_ellipse("direction_rad").sin_cos();
+        let xx = long * cosine * cosine + short * sine * sine;
+        let yy = long * sine * sine + short * cosine * cosine;
+        // The numbers of a page have three decimals.
+        let off = |variance: f64, name: &str| (variance.sqrt() - number(fact, name)).abs();
+        assert!(
+            off(xx, "sd_x_m") < 0.0015 && off(yy, "sd_y_m") < 0.0015,
+            "{fact}"
+        );
+        largest = largest.max(((long - short) * sine * cosine).abs());
+    }
+    assert!(largest > 1e-6, "control: no ellipse is turned, {largest}");
+}
+
 /// Returns the shape of a JSON value: the names of its fields, and the types of its values. A list has the
 /// shape of its first entry.
 fn shape(value: &Value) -> Value {

@@ -11,6 +11,7 @@ use super::world::World;
 use crate::Error;
 use crate::record::event::{Begin, Contact, Curve, Learned, Localisation};
 use crate::record::reader::Recording;
+use crate::record::topics::Ellipse;
 use crate::world::{CellState, Maze};
 
 /// The greatest level of rank and nearness on the page.
@@ -40,7 +41,7 @@ pub struct Data {
     pub poses: Vec<[f64; 4]>,
     /// The same of the estimated pose.
     pub estimated: Vec<[f64; 4]>,
-    pub localisations: Vec<Timed<Localisation>>,
+    pub localisations: Vec<Timed<Uncertainty>>,
     pub decisions: Vec<Timed<Choice>>,
     /// The beginnings of episodes.
     pub begins: Vec<Timed<Begin>>,
@@ -65,6 +66,14 @@ pub struct Timed<F> {
     pub t: f64,
     #[serde(flatten)]
     pub fact: F,
+}
+
+/// The uncertainty and the error of an estimate.
+#[derive(Debug, Serialize)]
+pub struct Uncertainty {
+    #[serde(flatten)]
+    pub localisation: Localisation,
+    pub ellipse: Ellipse,
 }
 
 /// The end of an episode.

@@ -3,7 +3,7 @@
 // A view is what is drawn: the data of an episode (`data`), a time in seconds (`t`), the names of the
 // layers that are shown (`shown`), when the episode began (`begun`), and its number (`episode`).
 import { arrowColour, floorColour, valueLength } from "./colours.mjs";
-import { inGrid, lastAt, lastIndex, poseAt } from "./timeline.mjs";
+import { axesInGrid, inGrid, lastAt, lastIndex, poseAt } from "./timeline.mjs";
 
 export const COLOURS = { wall: "#57657f", floor: "#eef1f5", line: "#c3cad6", start: "#f4b740", goal: "#35c46a", robot: "#f58220", trail: "#1d2430", outline: "#1d2430", estimate: "#2f9ce0", hit: "#e0322f" };
 
@@ -178,9 +178,10 @@ function drawEstimate(context, { data, t }, pixel) {
   context.stroke();
   const estimate = lastAt(data.localisations, t);
   if (!estimate) return;
+  const [long, short, direction] = axesInGrid(estimate.ellipse, world.origin);
   context.setLineDash([4 * pixel, 3 * pixel]);
   context.beginPath();
-  context.ellipse(at.x, at.y, 30 * estimate.sd_x_m, 30 * estimate.sd_y_m, -world.origin[2], 0, 7);
+  context.ellipse(at.x, at.y, 30 * long, 30 * short, direction, 0, 7);
   context.stroke();
   context.setLineDash([]);
 }

@@ -3,7 +3,7 @@
 use foxglove::messages::Odometry;
 use strum::VariantArray;
 
-use super::data::{Choice, Data, EpisodeEnd, Policy, Timed};
+use super::data::{Choice, Data, EpisodeEnd, Policy, Timed, Uncertainty};
 use super::world::World;
 use crate::Error;
 use crate::picture::css;
@@ -11,7 +11,7 @@ use crate::record::colours::{ABOVE, BELOW, NO_GOAL, SCALE};
 use crate::record::event::{Contact, Curve, Decision, End, Learned, StepOutcome};
 use crate::record::info::{self, RADIUS, RunKind};
 use crate::record::reader::{Message, Recording};
-use crate::record::topics::{decimal, decoded, percept};
+use crate::record::topics::{Ellipse, decimal, decoded, percept};
 use crate::record::{RobotShape, Topic, fault};
 use crate::sensor::Sensor;
 use crate::world::{Cell, CellState, Maze};
@@ -42,6 +42,8 @@ struct Reader {
     steps: Vec<Timed<Choice>>,
     /// For each step the middle of its cell as a pose.
     cells: Vec<[f64; 4]>,
+    /// The ellipse of the last estimate.
+    ellipse: Ellipse,
     last: Option<End>,
     ends: Curve,
 }
@@ -108,6 +110,7 @@ impl Reader {
             from_ns: None,
             steps: Vec::new(),
             cells: Vec::new(),
+            ellipse: Ellipse::default(),
             last: None,
             ends: Curve::default(),
         })
@@ -130,8 +133,9 @@ impl Reader {
                 self.data.poses.push(pose(t, &odometry));
             }
             Topic::Estimate => {
-                let odometry = decoded(&message.data).map_err(damaged)?;
+                let odometry: Odometry = decoded(&message.data).map_err(damaged)?;
                 self.data.estimated.push(pose(t, &odometry));
+                self.ellipse = Ellipse::of(&odometry);
             }
             Topic::Values => {
                 let grid = decoded(&message.data).map_err(damaged)?;
@@ -150,7 +154,10 @@ impl Reader {
             }
             Topic::Episode => self.end(t, recording.fact(message)?),
             Topic::Localisation => {
-                let fact = recording.fact(message)?;
+                let fact = Uncertainty {
+                    localisation: recording.fact(message)?,
+                    ellipse: self.ellipse,
+                };
                 self.data.localisations.push(Timed { t, fact });
             }
             Topic::Contact => {

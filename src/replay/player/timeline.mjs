@@ -58,6 +58,11 @@ export function inGrid(pose, [x, y, yaw]) {
   return { ...pose, x: cos * dx + sin * dy, y: cos * dy - sin * dx, yaw: pose.yaw - yaw };
 }
 
+/** Returns the half axes of an ellipse in metres, and the direction of the long one in the grid frame. */
+export function axesInGrid({ long_m, short_m, direction_rad }, [, , yaw]) {
+  return [long_m, short_m, direction_rad - yaw];
+}
+
 /** Returns the time of the next decision after a time (or before it, if `by` is -1). */
 export function decisionFrom(decisions, t, by) {
   const at = lastIndex(decisions, t);

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { deflateSync } from "node:zlib";
 
-import { lastAt, turn, posesFrom, poseAt, inGrid, decisionFrom, clock, inflated } from "./timeline.mjs";
+import { lastAt, turn, posesFrom, poseAt, inGrid, axesInGrid, decisionFrom, clock, inflated } from "./timeline.mjs";
 const at = (...times) => times.map((t) => ({ t }));
 
 test("the last entry holds until the next one, and none before the first", () => {
@@ -33,6 +33,11 @@ test("a pose of the map is found in a grid that is moved and turned", () => {
   const pose = inGrid({ x: 1, y: 4, yaw: 2 }, [1, 2, Math.PI / 2]);
   assert.ok(Math.abs(pose.x - 2) < 1e-12 && Math.abs(pose.y) < 1e-12);
   assert.ok(Math.abs(pose.yaw - (2 - Math.PI / 2)) < 1e-12);
+});
+
+test("an ellipse turns with the grid and keeps its axes", () => {
+  const [long, short, direction] = axesInGrid({ long_m: 0.2, short_m: 0.1, direction_rad: 2 }, [5, 5, 0.5]);
+  assert.deepEqual([long, short, direction], [0.2, 0.1, 1.5]);
 });
 
 test("steps go from decision to decision and stop at the ends", () => {

@@ -1,10 +1,11 @@
 //! The estimate in `/scene/percept`: the estimated pose and its uncertainty.
 
-use foxglove::messages::{CylinderPrimitive, Quaternion, SceneEntity};
+use foxglove::messages::{CylinderPrimitive, Odometry, Quaternion, SceneEntity};
 use nalgebra::{Complex, Matrix3, UnitComplex};
+use serde::Serialize;
 
 use super::scene::{ESTIMATE, color, cylinder, entity, heading, place, turned, vector};
-use super::to_parts;
+use super::{odometry, to_parts};
 use xcscr_robot::arena::Estimate;
 
 pub(super) const MARKER: u32 = 0x2f9ce0;
@@ -15,11 +16,39 @@ const ELLIPSE_SCALE: f64 = 10.0;
 const FLAT_M: f64 = 0.01;
 /// Finer detail than this fraction is not visible in the picture.
 const VISIBLE: f64 = 128.0;
+/// Numbers of an ellipse have five decimals, for legibility.
+const SHORT: f64 = 100_000.0;
 /// The estimated-pose marker is wider than the robot by this factor, so that its rim is visible all
 /// around a robot without an error. The ellipse is drawn above the robot, at [`ABOVE`] times the
 /// robot's radius.
 const RIM: f64 = 1.2;
 const ABOVE: f64 = 1.1;
+
+/// The ellipse of one standard deviation around an estimated position.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Ellipse {
+    /// Half of the long axis, in metres.
+    pub long_m: f64,
+    /// Half of the short axis, in metres.
+    pub short_m: f64,
+    /// The direction of the long axis in the map frame, in radians.
+    pub direction_rad: f64,
+}
+
+impl Ellipse {
+    /// Returns the ellipse of the covariance of a message; a point if the message has none.
+    pub fn of(message: &Odometry) -> Self {
+        let Some(covariance) = odometry::covariance(message) else {
+            return Self::default();
+        };
+        let (long_m, short_m, direction) = axes(&covariance);
+        Self {
+            long_m: to_parts(long_m, SHORT),
+            short_m: to_parts(short_m, SHORT),
+            direction_rad: to_parts(libm::atan2(direction.im, direction.re), SHORT),
+        }
+    }
+}
 
 /// Creates an ellipse around the estimated position, ten times enlarged, and a marker of the
 /// estimated pose.
@@ -84,6 +113,7 @@ fn axes(covariance: &Matrix3<f64>) -> (f64, f64, UnitComplex<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Isometry2;
 
     #[test]
     fn axes_recovers_the_axes_of_an_ellipse() {
@@ -101,6 +131,27 @@ mod tests {
             let across = direction.im * cosine - direction.re * sine;
             assert!(across.abs() < 1e-9, "{degrees}: {direction}");
         }
+    }
+
+    #[test]
+    fn the_ellipse_of_a_message_is_turned_as_its_covariance() {
+        // Axes of 0.2 m and 0.1 m, turned by 30 degrees.
+        let (xx, yy, xy) = (0.032_5, 0.017_5, 0.015 * 0.75_f64.sqrt());
+        let estimate = Estimate {
+            covariance: Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 1.0),
+            robot_in_map: Isometry2::identity(),
+        };
+        let Ellipse {
+            long_m,
+            short_m,
+            direction_rad,
+        } = Ellipse::of(&odometry::estimate(0, &estimate));
+        assert!((long_m - 0.2).abs() < 1e-4 && (short_m - 0.1).abs() < 1e-4);
+        assert!(
+            (direction_rad.to_degrees() - 30.0).abs() < 0.01,
+            "{direction_rad}"
+        );
+        assert_eq!(Ellipse::of(&Odometry::default()), Ellipse::default());
     }
 
     #[test]

@@ -20,6 +20,7 @@ pub(super) mod values;
 mod decoded;
 
 pub use decoded::decoded;
+pub use estimate::Ellipse;
 pub(super) use scene::size_m;
 
 use std::sync::LazyLock;

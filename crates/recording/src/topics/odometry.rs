@@ -7,7 +7,7 @@ use super::scene::{ESTIMATE, MAP, ROBOT, timestamp};
 use super::transforms::visible;
 use super::{rounded, to_parts};
 use crate::event::Pose;
-use nalgebra::Isometry2;
+use nalgebra::{Isometry2, Matrix3};
 use xcscr_robot::arena::Estimate;
 
 /// Covariances are written in multiples of this fraction of a square metre: a millimetre, squared.
@@ -41,6 +41,13 @@ pub(crate) fn estimate(time_ns: u64, estimate: &Estimate) -> Odometry {
         pose_covariance: covariance,
         ..message(time_ns, ESTIMATE, &estimate.robot_in_map)
     }
+}
+
+/// Returns the covariance of x, y and heading; `None` if the message has none.
+pub(super) fn covariance(message: &Odometry) -> Option<Matrix3<f64>> {
+    let all = &message.pose_covariance;
+    let entry = |row: usize, column: usize| all[6 * INDICES[row] + INDICES[column]];
+    (all.len() == 36).then(|| Matrix3::from_fn(entry))
 }
 
 fn message(time_ns: u64, body: &str, at: &Isometry2<f64>) -> Odometry {
