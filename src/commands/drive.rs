@@ -12,9 +12,8 @@ use xcscr::trial::{RobotProfile, ScanOrder};
 
 use super::failure::Failure;
 use super::node::{self, NodeArgs};
-use super::output::OutputFile;
 use super::results::Results;
-use super::{choices, compare, learned};
+use super::{choices, learned};
 
 /// Arguments of `drive`.
 #[derive(Debug, clap::Args)]
@@ -27,14 +26,8 @@ pub struct DriveArgs {
     ros2: bool,
     /// Decide from the sensor readings in an MCAP file, recorded by `drive` or `ros2 bag record`,
     /// and print the decisions. For a recorded drive, compare them with its decisions.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["sim_time", "stamped", "dry_run", "out", "force", "NodeArgs"])]
     bag: Option<PathBuf>,
-    /// Compare the profile of the robot with the recorded drive: speeds, lag, odometry and ranges.
-    #[arg(long, requires = "bag")]
-    compare: bool,
-    /// Write a new profile, with the values of the drive where they differ.
-    #[arg(long, value_name = "FILE", requires_all = ["compare", "robot"])]
-    write_profile: Option<PathBuf>,
     /// The robot: a bundled profile or a TOML file. It must be the robot that the policy was
     /// trained with.
     #[arg(long, value_name = "NAME|FILE")]
@@ -83,7 +76,7 @@ pub struct DriveArgs {
     /// The file for the recording [default: the name of the run with `-drive.mcap` appended].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Replace an earlier recording or profile.
+    /// Replace an earlier recording.
     #[arg(long)]
     force: bool,
     #[command(flatten)]
@@ -126,17 +119,6 @@ impl DriveArgs {
         Ok(DriveSetup::new(&plan, &knowledge, options)?)
     }
 
-    /// Returns the profile that is to be fitted, and the file for it.
-    fn fitted(&self) -> Result<Option<(RobotProfile, OutputFile<'_>)>, Failure> {
-        let Some((file, robot)) = self.write_profile.as_deref().zip(self.robot.as_deref()) else {
-            return Ok(None);
-        };
-        Ok(Some((
-            RobotProfile::load(robot)?,
-            OutputFile::free(file, self.force)?,
-        )))
-    }
-
     /// Returns the file for the recording.
     fn file(&self) -> PathBuf {
         let default = || learned::beside(&self.run, "-drive.mcap");
@@ -148,9 +130,6 @@ impl DriveArgs {
 pub fn run(args: &DriveArgs, out: &mut Results) -> Result<(), Failure> {
     let setup = args.setup()?;
     if let Some(bag) = &args.bag {
-        if args.compare {
-            return compare::run(setup, bag, args.fitted()?, out);
-        }
         return repeat(Driver::new(setup), bag, out);
     }
     let options = DriverOptions {
@@ -165,15 +144,42 @@ pub fn run(args: &DriveArgs, out: &mut Results) -> Result<(), Failure> {
 }
 
 /// Decides from recorded readings, and compares the decisions.
-fn repeat(mut driver: Driver, bag: &Path, out: &mut Results) -> Result<(), Failure> {
-    let DriveRecording {
-        readings,
-        decisions,
-        ..
-    } = DriveRecording::read(bag)?;
-    let mut own = Vec::new();
+fn repeat(driver: Driver, bag: &Path, out: &mut Results) -> Result<(), Failure> {
+    let recording = DriveRecording::read(bag)?;
+    let (own, final_fault) = decide(driver, &recording, out)?;
+    let recorded = &recording.decisions;
+    let refuted = |message: String| Err(Failure::new(ErrorKind::Refuted, message));
+    if own.is_empty() && recorded.is_empty() {
+        return refuted(format!("{} led to no decision", bag.display()));
+    }
+    if recorded.is_empty() {
+        writeln!(out, "{} decisions", own.len())?;
+    } else {
+        let same = own.iter().zip(recorded).filter(|(a, b)| a == b).count();
+        let most = own.len().max(recorded.len());
+        writeln!(
+            out,
+            "{same} of {most} decisions are the same as in the recorded drive"
+        )?;
+        if same != most {
+            return refuted("the decisions differ".to_owned());
+        }
+    }
+    match final_fault {
+        Some(fault) => refuted(fault.to_string()),
+        None => Ok(()),
+    }
+}
+
+/// Prints the decisions and the faults of a driver. Returns the decisions, and the fault that ended the drive.
+fn decide(
+    mut driver: Driver,
+    recording: &DriveRecording,
+    out: &mut Results,
+) -> Result<(Vec<String>, Option<Fault>), Failure> {
+    let (mut decisions, mut final_fault) = (Vec::new(), None);
     let mut reported: Vec<&str> = Vec::new();
-    for (time_ns, readings) in &readings {
+    for (time_ns, readings) in &recording.readings {
         let step = driver.step(*time_ns, readings);
         let names: Vec<&str> = step.faults.iter().map(Fault::name).collect();
         if names != reported {
@@ -182,28 +188,11 @@ fn repeat(mut driver: Driver, bag: &Path, out: &mut Results) -> Result<(), Failu
         }
         if let Some(decision) = step.decision {
             writeln!(out, "{:>3}  {}", decision.number, decision.words)?;
-            own.push(decision.words);
+            decisions.push(decision.words);
         }
+        final_fault = step.faults.into_iter().find(Fault::is_final);
     }
-    let count = own.len();
-    if decisions.is_empty() {
-        if count == 0 {
-            let message = format!("{} led to no decision", bag.display());
-            return Err(Failure::new(ErrorKind::Refuted, message));
-        }
-        writeln!(out, "{count} decisions")?;
-        return Ok(());
-    }
-    let same = own.iter().zip(&decisions).filter(|(a, b)| a == b).count();
-    let most = count.max(decisions.len());
-    writeln!(
-        out,
-        "{same} of {most} decisions are the same as in the recorded drive"
-    )?;
-    match same == most {
-        true => Ok(()),
-        false => Err(Failure::new(ErrorKind::Refuted, "the decisions differ")),
-    }
+    Ok((decisions, final_fault))
 }
 
 fn print_faults(faults: &[Fault], out: &mut Results) -> Result<(), Failure> {

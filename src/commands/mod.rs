@@ -9,7 +9,6 @@
 //! | `failure`, `interrupt` | errors, exit codes and signals |
 
 mod choices;
-mod compare;
 pub mod config;
 mod convert;
 pub mod drive;

@@ -1,7 +1,5 @@
 //! `xcscr robot`: lists and shows robot profiles.
 
-use std::collections::BTreeMap;
-
 use clap::Subcommand;
 use xcscr::trial::{RobotProfile, Settings};
 
@@ -42,22 +40,13 @@ fn show(profile: &RobotProfile, out: &mut Results) -> Result<(), Failure> {
         .physics
         .least_cell_m();
     writeln!(out, "# It fits into cells of at least {least_m:.3} m.")?;
-    Ok(write!(out, "{}", text(profile, &BTreeMap::new()))?)
+    Ok(write!(out, "{}", text(profile))?)
 }
 
-/// Returns a profile as a file for `--robot`. Some settings have other values, with their own sources.
-pub fn text(profile: &RobotProfile, others: &BTreeMap<&str, (String, String)>) -> String {
-    let own = profile.entries();
-    let mut entries: BTreeMap<&str, (&str, Option<&str>)> = own
-        .iter()
-        .map(|(key, value, source)| (key.as_str(), (value.as_str(), *source)))
-        .collect();
-    let replacing = others.iter();
-    entries.extend(
-        replacing.map(|(key, (value, source))| (*key, (value.as_str(), Some(source.as_str())))),
-    );
+/// Returns a profile as a file for `--robot`.
+fn text(profile: &RobotProfile) -> String {
     let mut text = profile.head_toml();
-    for (key, (value, source)) in entries {
+    for (key, value, source) in profile.entries() {
         let setting = format!("{key} = {value}");
         text += &match source {
             // One line each, even if the file contains line breaks.

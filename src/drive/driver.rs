@@ -1,7 +1,7 @@
 //! The state machine that drives a robot with a policy.
 
 use nalgebra::Isometry2;
-use xcscr_sensing::{Readings as StepOfSensors, Return};
+use xcscr_sensing::Readings as StepOfSensors;
 
 use super::fault::{Fault, Mislocalised};
 use super::given::{Given, PoseSource};
@@ -20,19 +20,6 @@ use crate::world::{Cell, Maze};
 use xcs::random::Stream;
 use xcs::{Action, Percept};
 
-/// A step of the onboard computer.
-#[derive(Debug)]
-pub(super) struct Sensed {
-    /// The end of the step, in nanoseconds of the robot's clock.
-    pub end_ns: u64,
-    /// The distances rolled by the left and the right wheel, in metres.
-    pub rolled_m: [f64; 2],
-    /// The beams of the step.
-    pub beams: Vec<Return>,
-    /// The estimated pose at the end of the step, in the grid frame.
-    pub pose: Isometry2<f64>,
-}
-
 /// Drives a robot with a policy: sensor readings in, commands out. Independent of ROS.
 pub struct Driver {
     setup: DriveSetup,
@@ -50,8 +37,6 @@ pub struct Driver {
     /// The percept, cell and action of the last decision, until its move is over.
     chosen: Option<(Percept, Cell, Action)>,
     has_scan: bool,
-    /// What the onboard computer processed in the last step of the driver.
-    sensed: Vec<Sensed>,
     /// The first final fault.
     last_fault: Option<Fault>,
 }
@@ -82,7 +67,6 @@ impl Driver {
             decisions: 0,
             chosen: None,
             has_scan: false,
-            sensed: Vec::new(),
             last_fault: None,
             setup,
         }
@@ -91,11 +75,6 @@ impl Driver {
     /// Returns the maze of the drive.
     pub fn maze(&self) -> &Maze {
         &self.setup.maze
-    }
-
-    /// Returns what the onboard computer processed in the last step of the driver.
-    pub(super) fn sensed(&self) -> &[Sensed] {
-        &self.sensed
     }
 
     /// Keeps the robot at rest from now on.
@@ -108,7 +87,6 @@ impl Driver {
     ///
     /// Call this when readings arrive, and at least every 50 ms.
     pub fn step(&mut self, steady_ns: u64, readings: &Readings) -> DriverStep {
-        self.sensed.clear();
         let (pose, setup) = (self.pose(), &self.setup);
         let range_m = setup.physics.lidar.range_m;
         let sees_walls = || pose.is_none_or(|pose| sees_walls(&setup.maze, &pose, range_m));
@@ -202,12 +180,6 @@ impl Driver {
                 .step(maze, &pose, &moved, &readings.beams, range_m);
             let now = self.localisation.check(maze, &pose, &covariance);
             self.note(turn.or(now));
-            self.sensed.push(Sensed {
-                end_ns: self.timeline.time_ns(),
-                rolled_m: readings.rolled_m,
-                beams: readings.beams,
-                pose,
-            });
         }
     }
 

@@ -16,7 +16,6 @@
 
 mod bag;
 mod checks;
-mod compare;
 mod driver;
 mod fault;
 mod given;
@@ -37,7 +36,6 @@ pub use bag::{DriveBag, DriveRecording};
 #[cfg(feature = "ros2")]
 pub(crate) use bag::{drive_messages, messages};
 pub use checks::Frames;
-pub use compare::{Compared, Found, compare};
 pub use driver::Driver;
 pub use fault::{Fault, Mislocalised};
 pub use given::PoseSource;

@@ -19,8 +19,8 @@ use crate::arena::Speeds;
 const GYRO_GAP_NS: u64 = 75_000_000;
 /// The rounding error of a direction, in steps between two beams. Messages have numbers of 32 bits.
 const ROUNDED: f64 = 1e-3;
-/// The maximum lag of the onboard computer without scans.
-const MOST_LAG_NS: u64 = 2_000_000_000;
+/// The maximum lag of the onboard computer without scans, and the longest gap between two odometry samples.
+pub(super) const MOST_LAG_NS: u64 = 2_000_000_000;
 
 /// An odometry sample.
 #[derive(Debug, Clone, Copy)]

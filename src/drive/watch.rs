@@ -7,7 +7,7 @@ use super::fault::Fault;
 use super::mounting::{MountedScan, Mounting};
 use super::readings::{Imu, Odometry, Readings, Scan};
 use super::setup::DriveSetup;
-use super::timeline::beam_time_ns;
+use super::timeline::{MOST_LAG_NS, beam_time_ns};
 use crate::trial::ScanOrder;
 
 const SECOND_NS: f64 = 1e9;
@@ -18,7 +18,8 @@ const CLOCK_AGE_NS: u64 = 1_000_000_000;
 /// The maximum age of scans, in lidar turns.
 const TURNS: f64 = 2.0;
 /// A change of the stamps by more than this, in nanoseconds, is a jump if less than half of it has
-/// passed.
+/// passed. A change of odometry by more than [`MOST_LAG_NS`] always is one: the
+/// onboard computer would catch up in steps of 50 ms.
 const JUMP_NS: u64 = 500_000_000;
 /// The maximum age of the last beam of a scan that arrives, in nanoseconds.
 const SCAN_AGE_NS: u64 = 500_000_000;
@@ -175,15 +176,16 @@ impl Watch {
     }
 
     /// Tracks the stamps of a topic. Returns false for a message that is not newer than the last
-    /// one, or much newer.
-    fn follow(&mut self, topic: &'static str, last: Option<Seen>, now: Seen) -> bool {
+    /// one, or much newer: by more than `most_ns`, or than the time that has passed.
+    fn follow(&mut self, topic: &'static str, last: Option<Seen>, now: Seen, most_ns: u64) -> bool {
         let Some(last) = last else {
             return true;
         };
         let step_ns = now.stamp_ns.saturating_sub(last.stamp_ns);
         let passed_ns = now.arrived_ns.saturating_sub(last.arrived_ns);
-        let has_jumped =
-            now.stamp_ns < last.stamp_ns || (step_ns > JUMP_NS && passed_ns < step_ns / 2);
+        let has_jumped = now.stamp_ns < last.stamp_ns
+            || step_ns > most_ns
+            || (step_ns > JUMP_NS && passed_ns < step_ns / 2);
         if has_jumped {
             self.jumped(topic, last.stamp_ns, now.stamp_ns);
         }
@@ -201,7 +203,8 @@ impl Watch {
             stamp_ns,
             arrived_ns,
         };
-        if self.odometry_fault.is_some() || !self.follow("/odom", self.odometry, seen) {
+        if self.odometry_fault.is_some() || !self.follow("/odom", self.odometry, seen, MOST_LAG_NS)
+        {
             return false;
         }
         self.odometry_fault = self.checks.motion(odometry, self.pose);
@@ -240,7 +243,7 @@ impl Watch {
             stamp_ns: scan.stamp_ns,
             arrived_ns,
         };
-        if !self.follow("/scan", self.scan, seen) {
+        if !self.follow("/scan", self.scan, seen, u64::MAX) {
             return None;
         }
         let mounted = match fault_of_times(&scan, arrived_ns, odometry) {

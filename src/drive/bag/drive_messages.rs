@@ -24,6 +24,7 @@ pub struct Twist {
 }
 
 /// `geometry_msgs/msg/TwistStamped`.
+#[cfg(feature = "ros2")]
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct TwistStamped {
     pub header: Header,

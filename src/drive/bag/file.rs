@@ -8,12 +8,11 @@ use byteorder::LittleEndian;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::drive_messages::{Clock, Imu, JointState, Text, Twist, TwistStamped};
+use super::drive_messages::{Clock, Imu, JointState, Text, Twist};
 use super::messages::{EstimatedPose, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, Transforms};
 use super::topics::BagTopic;
 use super::writer::{ENCAPSULATION, RosWriter, encoded};
 use crate::Error;
-use crate::arena::Speeds;
 use crate::disk;
 use crate::drive::{DriverStep, Fault, Readings};
 use crate::record::{fault, records};
@@ -170,8 +169,6 @@ impl DriveBag {
 pub struct DriveRecording {
     /// The readings, by the time when they were recorded, in nanoseconds.
     pub readings: Vec<(u64, Readings)>,
-    /// The commands on `/cmd_vel`, by the time when they were recorded, in nanoseconds.
-    pub commands: Vec<(u64, Speeds)>,
     /// The decisions of the driver as text; empty in bags from other programs.
     pub decisions: Vec<String>,
 }
@@ -219,14 +216,6 @@ impl DriveRecording {
                      record fewer topics, such as without /clock"
                 )));
             }
-            let is_stamped = channel
-                .schema
-                .as_ref()
-                .is_some_and(|schema| schema.name.ends_with("Stamped"));
-            let topic = match topic {
-                "cmd_vel" if is_stamped => "cmd_vel_stamped",
-                topic => topic,
-            };
             let added = recording.add(topic, message.log_time, &message.data, &mut clock_ns);
             added.map_err(|cause| damaged(format!("{}: {cause}", channel.topic)))?;
         }
@@ -279,13 +268,8 @@ impl DriveRecording {
                 self.at(time_ns, *clock_ns);
             }
             // Add an entry for the call of the driver, even if no readings arrived.
-            "cmd_vel" | "cmd_vel_stamped" => {
+            "cmd_vel" => {
                 self.at(time_ns, *clock_ns);
-                let twist = match topic {
-                    "cmd_vel" => decoded::<Twist>(data)?,
-                    _ => decoded::<TwistStamped>(data)?.twist,
-                };
-                self.commands.push((time_ns, twist.into()));
             }
             "decision" => self
                 .decisions

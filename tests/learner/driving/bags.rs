@@ -69,38 +69,69 @@ fn a_bag_that_leads_to_no_decision_ends_with_an_error() {
     }
 }
 
+/// Log time and stamps jump together, such as when a clock is set while a bag is recorded.
 #[test]
-fn a_drive_whose_robot_differs_ends_with_an_error_and_its_values_become_a_profile() {
+fn a_bag_whose_clocks_jump_together_ends_with_an_error_and_not_in_steps_of_the_whole_gap() {
     let desk = Desk::new();
     desk.train("run", "maze4 --arena physics --episodes 1 --record none");
-    write_bag(&desk, "same.mcap", 300, |_| ());
-    write_bag(&desk, "lossy.mcap", 300, |readings| {
-        for scan in &mut readings.scans {
-            scan.ranges_m
+    for (name, by_ns) in [
+        ("small", 1_000_000_000),
+        ("large", 1_700_000_000_000_000_000),
+    ] {
+        let mut rig = Rig::maze4();
+        let path = desk.path(&format!("{name}.mcap"));
+        let mut bag = DriveBag::create(&path, false, &maze4(), rig.now_ns).unwrap();
+        for tick in 0..200 {
+            let mut readings = Readings::default();
+            let step = rig.tick(|arrived| readings = arrived.clone());
+            let late_ns = if tick < 100 { 0 } else { by_ns };
+            for odometry in &mut readings.odometry {
+                odometry.stamp_ns += late_ns;
+            }
+            readings
+                .imu
                 .iter_mut()
-                .step_by(7)
-                .for_each(|range| *range = f64::INFINITY);
+                .for_each(|imu| imu.stamp_ns += late_ns);
+            readings
+                .scans
+                .iter_mut()
+                .for_each(|scan| scan.stamp_ns += late_ns);
+            let step = DriverStep {
+                decision: None,
+                ..step
+            };
+            bag.step(rig.now_ns + late_ns, &readings, &step).unwrap();
         }
-    });
-    let line = |bag: &str| {
-        format!(
-            "drive @run --bag @{bag}.mcap --compare --robot default --write-profile @{bag}.toml"
-        )
-    };
-    let (stdout, stderr) = desk.run(1, &line("lossy"));
+        bag.finish().unwrap();
+    }
+    let (stdout, stderr) = desk.run(1, "drive @run --bag @large.mcap");
+    assert!(stdout.contains("the stamps of /odom jumped by"), "{stdout}");
     assert!(
-        stdout.contains("physics.lidar.dropouts") && stdout.contains("differs"),
-        "{stdout}"
+        stderr.contains("the stamps of /odom jumped by"),
+        "a final fault: {stderr}"
     );
-    assert!(stderr.contains("1 of 9 values"), "{stdout}{stderr}");
-    let (profile, shown) = (desk.text("lossy.toml"), desk.ok("robot show @lossy.toml"));
-    let fitted = profile
-        .lines()
-        .find(|line| line.starts_with("physics.lidar.dropouts = 0."));
-    let (value, source) = fitted.unwrap().split_once(" #").unwrap();
-    assert!(shown.contains(value.trim()), "{shown}");
-    assert!(source.contains("fitted to "), "{source}");
-    let control = desk.ok(&line("same"));
-    assert!(!control.contains("differs"), "{control}");
-    desk.fails(73, &line("same"), "same.toml");
+    let control = desk.ok("drive @run --bag @small.mcap");
+    assert!(!control.contains("jumped"), "{control}");
+}
+
+#[test]
+fn options_of_a_node_are_refused_with_a_bag() {
+    let desk = Desk::new();
+    desk.train("run", "maze4 --arena physics --episodes 1 --record none");
+    write_bag(&desk, "drive.mcap", 100, |_| ());
+    desk.ok("drive @run --bag @drive.mcap --start 1.5,6.5,0 --laser 0,0,0");
+    for option in [
+        "--namespace /tb3",
+        "--domain 7",
+        "--remap scan:=front",
+        "--sim-time",
+        "--stamped",
+        "--dry-run",
+        "--out @other.mcap",
+        "--force",
+    ] {
+        let line = format!("drive @run --bag @drive.mcap {option}");
+        let (_, stderr) = desk.run(2, &line);
+        assert!(stderr.contains("cannot be used with"), "{option}: {stderr}");
+    }
 }

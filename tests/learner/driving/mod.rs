@@ -1,7 +1,6 @@
 //! The driver and the simulated robot in lockstep.
 
 mod bags;
-mod compare;
 mod faults;
 mod lidars;
 mod localisers;
