@@ -199,7 +199,7 @@ impl Agent {
                     let right = usize::from(answers[at]);
                     let taken = half_right(right, actions, &mut stream);
                     let action =
-                        Action::wide(taken).ok_or("an answer is not an action of the learner")?;
+                        Action::new(taken).ok_or("an answer is not an action of the learner")?;
                     learner.take(&rows[at * width..][..width], action)?;
                     learner.update(if taken == right { RIGHT } else { 0.0 }, None)
                 })
@@ -215,7 +215,7 @@ impl Agent {
     fn compact(&mut self, py: Python<'_>, rows: &[u8], answers: &[u8]) -> PyResult<()> {
         let table = self.table(rows)?;
         let rows = table.chunks(self.width).zip(answers);
-        let rows = rows.filter_map(|(row, &answer)| Some((row, Action::wide(answer.into())?)));
+        let rows = rows.filter_map(|(row, &answer)| Some((row, Action::new(answer.into())?)));
         let rows: Vec<_> = rows.collect();
         py.detach(|| self.learner.compact(&rows)).map_err(invalid)
     }

@@ -142,7 +142,9 @@ where
         let pair = |&(values, answer)| Ok::<_, String>((C::percept(values)?, vec![answer]));
         let rows = rows.iter().map(pair).collect::<Result<Vec<_>, String>>()?;
         let decisions = rows.iter().map(|(row, answer)| (row, answer.clone()));
-        let few = xcs::fewest_rules_for(self.xcs().population(), decisions, self.xcs().actions());
+        let over_match_set = self.xcs().params().value_over_match_set;
+        let (population, actions) = (self.xcs().population(), self.xcs().actions());
+        let few = xcs::fewest_rules_for(population, decisions, actions, over_match_set);
         self.start_from(&few);
         Ok(())
     }

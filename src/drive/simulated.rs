@@ -11,6 +11,8 @@ use crate::world::Maze;
 
 /// The duration of a command in nanoseconds of simulated time. The robot then stops.
 const COMMAND_NS: u64 = 500_000_000;
+/// The number of the only episode.
+const ONLY_EPISODE: u32 = 1;
 
 /// The readings after a step of 50 ms.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +61,7 @@ impl SimulatedRobot {
             ..params.clone()
         };
         let mut robot = Robot::new(maze, params, seed)?;
-        robot.put_down(pose);
+        robot.put_down(pose, ONLY_EPISODE);
         Ok(Self {
             robot,
             in_odom: Isometry2::identity(),
@@ -88,7 +90,7 @@ impl SimulatedRobot {
 
     /// Moves the robot to a pose of the grid frame without any sensor reading.
     pub fn kidnap(&mut self, pose: Isometry2<f64>) {
-        self.robot.put_down(pose);
+        self.robot.put_down(pose, ONLY_EPISODE);
     }
 
     /// Returns true if the robot is in a goal cell.

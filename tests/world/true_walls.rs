@@ -4,9 +4,10 @@ use std::hash::Hasher;
 
 use fnv::FnvHasher;
 use nalgebra::{Point2, Vector2};
-use xcscr::arena::{Agreement, Arena, Localisation, Outcome, PhysicsArena, PhysicsParams};
+use xcscr::arena::{Agreement, Arena, Localisation, Outcome, PhysicsArena, PhysicsParams, Robot};
 use xcscr::sensor::Sensor;
-use xcscr::world::{Direction, Maze, OccupancyMap};
+use xcscr::trial::Plan;
+use xcscr::world::{Cell, Direction, Maze, OccupancyMap};
 use xcscr::xcs::random::Stream;
 
 use crate::kit::flat::{self, Flat};
@@ -346,4 +347,20 @@ fn an_edited_image_of_a_world_from_a_map_changes_its_walls() {
             .unwrap_err()
             .contains("no path in the grid leads to the goal")
     );
+}
+
+#[test]
+fn a_plan_and_its_robot_find_the_same_cells_whatever_the_size_of_the_robot() {
+    let maze = Flat::new().gridded(0.5).maze;
+    let free = |maze: &Maze| maze.free_cells().collect::<Vec<Cell>>();
+    let counts = [0.08, 0.15, 0.25].map(|radius_m| {
+        let mut plan = Plan::new(maze.clone());
+        plan.config.settings.physics.radius_m = radius_m;
+        let physics = plan.config.settings.physics.clone();
+        let robot = Robot::new(maze.clone(), physics, 1).unwrap();
+        let cells = free(&plan.settled().maze);
+        assert_eq!(free(robot.maze()), cells, "{radius_m}");
+        cells.len()
+    });
+    assert!(counts[0] > counts[2], "control: {counts:?}");
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Names of the simulated truth. The compiler keeps the types of other crates out; these are in this crate.
+/// Names of the simulated truth in this crate. The compiler keeps the types of other crates out.
 const TRUTH: [&str; 4] = ["sensors", "Moment", "Terrain", "Sample"];
 
 fn rust_files(folder: &Path) -> Vec<PathBuf> {

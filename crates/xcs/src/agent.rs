@@ -2,15 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::action::Action;
 use crate::bounds::{OutOfRange, within};
 use crate::condition::Condition;
-use crate::learner::{Xcs, XcsState};
+use crate::learner::Xcs;
 use crate::params::{GREATEST_POPULATION, Params};
-use crate::population::Population;
+use crate::population::{MOST_STEPS, Population};
 use crate::random::Stream;
 use crate::representation::Representation;
-use crate::sets::{ActionSet, MatchSet, SavedActionSet, SavedMatchSet};
-use crate::signal::Action;
+use crate::sets::{ActionSet, MatchSet};
 
 /// The fewest micro-classifiers per action. With fewer, covering might never end.
 const RULES_PER_ACTION: u32 = 4;
@@ -27,7 +27,8 @@ pub struct Agent<C: Representation = Condition> {
     /// p_explr: the probability that a learning step takes a random action instead of one of the
     /// best; 0 to 1. By default 0.5.
     pub exploration: f64,
-    /// epsilon_0 as a share of the largest absolute reward so far. By default `None`: epsilon_0 is that of the parameters.
+    /// Lets epsilon_0 grow to this share of the largest absolute reward so far. It never falls below
+    /// that of the parameters, where it begins. By default `None`: it does not grow.
     pub error_share: Option<f64>,
     xcs: Xcs<C>,
     match_set: MatchSet<C>,
@@ -38,16 +39,24 @@ pub struct Agent<C: Representation = Condition> {
     choices: Stream,
 }
 
+/// The form of [`AgentState`]. Another number is another form, which is refused.
+const VERSION: u32 = 1;
+
 /// The state of an [`Agent`]. An agent with the same parameters continues from it exactly, even
 /// within an episode.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "C: Representation")]
 pub struct AgentState<C: Representation = Condition> {
-    learned: XcsState<C>,
+    version: u32,
+    rules: Population<C>,
+    time: u64,
+    evolves: bool,
     epsilon_0: f64,
-    choices: Stream,
-    formed: Option<SavedMatchSet<C>>,
-    waiting: Option<SavedActionSet<C>>,
+    /// The streams of the classifier system and of the choices.
+    streams: [Stream; 2],
+    /// \[M\], if `update` formed it.
+    formed: Option<MatchSet<C>>,
+    waiting: Option<ActionSet<C>>,
 }
 
 /// The consumers of random numbers.
@@ -115,7 +124,7 @@ impl<C: Representation> Agent<C> {
     pub fn act(&mut self, percept: &C::Percept, explores: bool) -> Option<Action> {
         self.form_match_set(percept);
         let action = if explores && self.choices.chance(self.exploration) {
-            Action::wide(self.choices.below(self.xcs.actions()))
+            Action::new(self.choices.below(self.xcs.actions()))
         } else {
             let sums = self.match_set.sums();
             let best = sums.best(self.xcs.actions(), self.over_match_set());
@@ -157,7 +166,7 @@ impl<C: Representation> Agent<C> {
             self.xcs.form_match_set(next, &mut self.match_set);
             self.is_formed = true;
             let values = |action| self.match_set.sums().value(action, self.over_match_set());
-            let all = Action::wide_all(self.xcs.actions()).filter_map(values);
+            let all = Action::all(self.xcs.actions()).filter_map(values);
             payoff += self.gamma * all.reduce(f64::max).unwrap_or(0.0);
         }
         self.xcs.update(&set, payoff, self.xcs.params().beta);
@@ -180,39 +189,58 @@ impl<C: Representation> Agent<C> {
 
     /// Returns the state, from which an agent with the same parameters continues exactly.
     pub fn state(&self) -> AgentState<C> {
-        let population = self.xcs.population();
+        let xcs = &self.xcs;
+        let (mut formed, mut waiting) = (None, self.waiting.clone());
+        if self.is_formed {
+            formed = Some(self.match_set.clone());
+        }
+        formed
+            .iter_mut()
+            .for_each(|set| set.renumber(&xcs.population));
+        waiting
+            .iter_mut()
+            .for_each(|set| set.renumber(&xcs.population));
         AgentState {
-            learned: self.xcs.learned(),
-            epsilon_0: self.xcs.params.epsilon_0,
-            choices: self.choices.clone(),
-            formed: self
-                .is_formed
-                .then(|| self.match_set.saved(population))
-                .flatten(),
-            waiting: self.waiting.as_ref().map(|set| set.saved(population)),
+            version: VERSION,
+            rules: xcs.population.changed(|_| ()),
+            time: xcs.time,
+            evolves: xcs.evolves,
+            epsilon_0: xcs.params.epsilon_0,
+            streams: [&xcs.stream, &self.choices].map(Stream::clone),
+            formed,
+            waiting,
         }
     }
 
     /// Continues from the state of an agent with the same parameters. Returns `false`, and changes
     /// nothing, if the state cannot come from such an agent.
     pub fn restore(&mut self, state: AgentState<C>) -> bool {
-        let mut xcs = self.xcs.clone();
-        if !(xcs.resume(state.learned) && state.epsilon_0 > 0.0) {
+        if !self.could_have(&state) {
             return false;
         }
+        let xcs = &mut self.xcs;
+        xcs.population = state.rules;
+        (xcs.time, xcs.evolves) = (state.time, state.evolves);
         xcs.params.epsilon_0 = state.epsilon_0;
-        let (population, actions) = (xcs.population(), xcs.actions());
-        let formed = state.formed.map(|set| set.restored(population, actions));
-        let waiting = state.waiting.map(|set| set.restored(population, actions));
-        if matches!(formed, Some(None)) || matches!(waiting, Some(None)) {
-            return false;
-        }
-        self.is_formed = formed.is_some();
-        self.match_set = formed.flatten().unwrap_or_default();
-        self.waiting = waiting.flatten();
-        self.choices = state.choices;
-        self.xcs = xcs;
+        [xcs.stream, self.choices] = state.streams;
+        self.is_formed = state.formed.is_some();
+        self.match_set = state.formed.unwrap_or_default();
+        self.waiting = state.waiting;
         true
+    }
+
+    /// Returns true if a state can come from an agent with these parameters.
+    fn could_have(&self, state: &AgentState<C>) -> bool {
+        let actions = self.xcs.actions();
+        let rules = state.rules.rules().iter().map(|rule| rule.action);
+        let mut used = rules.chain(state.waiting.iter().map(|set| set.action));
+        let formed = state.formed.as_ref();
+        state.version == VERSION
+            && state.epsilon_0 > 0.0
+            && state.time <= MOST_STEPS
+            && state.rules.micro() <= self.xcs.params().population_size
+            && used.all(|action| action.index() < actions)
+            && formed.is_none_or(|set| set.percept().is_some() && set.members().len() <= actions)
     }
 
     fn over_match_set(&self) -> bool {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::condition::Condition;
 use super::params::Params;
 use super::representation::Representation;
-use crate::signal::Action;
+use crate::action::Action;
 
 /// A macro-classifier: `numerosity` identical rules with shared statistics.
 ///
@@ -16,7 +16,6 @@ pub struct Classifier<C = Condition> {
     /// The condition that decides which percepts the rule matches.
     pub condition: C,
     /// The advocated action.
-    #[serde(deserialize_with = "Action::read::<C, _>")]
     pub action: Action,
     /// p: the expected payoff.
     pub prediction: f64,

@@ -7,15 +7,15 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use crate::percept::{MAX_PERCEPT_BITS, PERCEPT_WORDS, Percept};
 use crate::random::Stream;
 use crate::ranges::{self, NumberRange, Ranges};
-use crate::signal::{MAX_PERCEPT_BITS, PERCEPT_WORDS, Percept};
 
 type Words = [u64; PERCEPT_WORDS];
 
 /// A ternary string as wide as the percepts: `0`, `1`, or `#` for don't-care. In place of the bits of
 /// a binary number, a range of the number may stand: `[4-7:4]` takes four bits, and requires a number
-/// from 4 to 7. Only distillation and compaction create ranges (see [`Layout`](crate::Layout)).
+/// from 4 to 7. Only guided covering creates ranges (see [`Layout`](crate::Layout)).
 ///
 /// Stored as two bit masks: the bits that must agree (`care`) and their values (`value`). `value`
 /// is zero at don't-cares and under ranges, so equal conditions are equal word by word.

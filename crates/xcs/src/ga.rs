@@ -4,12 +4,12 @@ use super::classifier::Classifier;
 use super::handles::ClassifierId;
 use super::params::Params;
 use super::representation::Representation;
+use crate::action::Action;
 use crate::random::Stream;
-use crate::signal::Action;
 
-/// Fraction of the parents' error that a child inherits (Butz and Wilson 2001).
+/// Fraction of the parents' error that a child inherits.
 const ERROR_INHERITANCE: f64 = 0.25;
-/// Fraction of the parents' fitness that a child inherits (Butz and Wilson 2001).
+/// Fraction of the parents' fitness that a child inherits.
 const FITNESS_INHERITANCE: f64 = 0.1;
 
 /// A rule of a niche and its id in \[P\].
@@ -36,6 +36,10 @@ pub(super) fn select<'a, C: Representation + 'a>(
 
 /// Creates two children of two parents in one niche by crossover and niche mutation. The children
 /// have no experience. `actions` is the number of actions.
+///
+/// A child always inherits only a part of the error, and of the fitness of one micro-classifier, as
+/// in JavaXCSF (Stalph and Butz 2009). The pseudo-code of Butz and Wilson (2001) takes these parts,
+/// and the means of both parents, only after a crossover.
 pub(super) fn children<C: Representation>(
     parents: &[Parent<C>; 2],
     percept: &C::Percept,
@@ -88,7 +92,7 @@ fn average(a: &mut f64, b: &mut f64) {
 
 /// Returns one of the other actions, each with equal probability.
 fn other_action(action: Action, actions: usize, stream: &mut Stream) -> Action {
-    let mut others = Action::wide_all(actions).filter(|&other| other != action);
+    let mut others = Action::all(actions).filter(|&other| other != action);
     match others.clone().count() {
         0 => action,
         count => others.nth(stream.below(count)).unwrap_or(action),

@@ -5,10 +5,11 @@
 
 use fixedbitset::FixedBitSet;
 
+use crate::action::Action;
 use crate::condition::Condition;
 use crate::labelled_examples::LabelledExamples;
 use crate::layout::Feature;
-use crate::signal::{Action, Percept};
+use crate::percept::Percept;
 
 impl LabelledExamples {
     /// Returns the most general condition that greedy search finds for the percept of example `number`, so that in all
@@ -22,19 +23,41 @@ impl LabelledExamples {
         action: Action,
         is_best: bool,
     ) -> Option<Condition> {
-        let example = self.get(number)?;
         let best = self.given_where(action);
+        let others = without(self.given(), best);
+        let [wanted, contradicting] = match is_best {
+            true => [best, &others],
+            false => [&others, best],
+        };
+        self.condition_for(number, wanted, contradicting)
+    }
+
+    /// Returns a condition that matches as many as possible of the `wanted` examples, which are true where the action is
+    /// one of the best, among them example `number`, and no example in which the action is not. `None` as for
+    /// [`general_condition`](Self::general_condition).
+    pub(super) fn condition_matching(
+        &self,
+        number: usize,
+        action: Action,
+        wanted: &FixedBitSet,
+    ) -> Option<Condition> {
+        let contradicting = without(self.given(), self.given_where(action));
+        self.condition_for(number, wanted, &contradicting)
+    }
+
+    fn condition_for(
+        &self,
+        number: usize,
+        wanted: &FixedBitSet,
+        contradicting: &FixedBitSet,
+    ) -> Option<Condition> {
+        let percept = &self.get(number)?.percept;
         let search = Search {
             examples: self,
-            percept: &example.percept,
-            contradicting: match is_best {
-                true => without(self.given(), best),
-                false => best.clone(),
-            },
+            percept,
+            wanted,
+            contradicting,
         };
-        if example.best[action.index()] != is_best {
-            return None;
-        }
         let features = search.needed(search.sufficient()?);
         Some(search.condition(&features))
     }
@@ -44,18 +67,21 @@ impl LabelledExamples {
 struct Search<'a> {
     examples: &'a LabelledExamples,
     percept: &'a Percept,
+    /// The examples that the condition should match.
+    wanted: &'a FixedBitSet,
     /// The examples that the condition must not match.
-    contradicting: FixedBitSet,
+    contradicting: &'a FixedBitSet,
 }
 
 impl Search<'_> {
     /// Adds features until the condition matches no contradicting example. Each step adds the feature that leaves the
-    /// highest share of other examples, (good + 1) / (all + 2), as CN2 does (Clark and Niblett 1989).
+    /// highest share of wanted examples, (good + 1) / (all + 2), as CN2 does (Clark and Niblett 1989).
     fn sufficient(&self) -> Option<Vec<Feature>> {
         let mut features = Vec::new();
-        let mut matched = self.examples.given().clone();
+        let mut matched = self.wanted.clone();
+        matched.union_with(self.contradicting);
         loop {
-            let bad = matched.intersection_count(&self.contradicting);
+            let bad = matched.intersection_count(self.contradicting);
             if bad == 0 {
                 return Some(features);
             }
@@ -63,7 +89,7 @@ impl Search<'_> {
             for feature in self.examples.features() {
                 let [left, wrong] =
                     self.examples
-                        .count(&matched, &self.contradicting, feature, self.has(feature));
+                        .count(&matched, self.contradicting, feature, self.has(feature));
                 let share = [u64::from(left) + 1, u64::from(left + wrong) + 2];
                 let is_better = |&(_, [a, b]): &(_, [u64; 2])| share[0] * b > a * share[1];
                 if (wrong as usize) < bad && best.as_ref().is_none_or(is_better) {
@@ -82,7 +108,7 @@ impl Search<'_> {
     fn needed(&self, mut features: Vec<Feature>) -> Vec<Feature> {
         for feature in features.clone() {
             let fewer: Vec<Feature> = features.iter().copied().filter(|&f| f != feature).collect();
-            if self.matched(&fewer).is_disjoint(&self.contradicting) {
+            if self.matched(&fewer).is_disjoint(self.contradicting) {
                 features = fewer;
             }
         }
@@ -114,7 +140,7 @@ impl Search<'_> {
         };
         let inside = numbers(self.examples.with_feature(&open, feature, is_above));
         let mut excluded = open;
-        excluded.intersect_with(&self.contradicting);
+        excluded.intersect_with(self.contradicting);
         let outside = numbers(excluded);
         let gap = match is_above {
             true => outside.into_iter().max().zip(inside.into_iter().min()),
@@ -152,9 +178,9 @@ fn without(all: &FixedBitSet, some: &FixedBitSet) -> FixedBitSet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::action::ByAction;
     use crate::labelled_examples::LabelledExample;
     use crate::layout::Layout;
-    use crate::signal::ByAction;
 
     /// Returns examples of four-bit percepts whose first bit is free and whose last three bits are a number; action 0 is
     /// best in percepts that `holds` accepts, and action 1 elsewhere.

@@ -1,10 +1,22 @@
 //! Generational ids: an id stays unique after its rule was deleted.
 
+use serde::{Deserialize, Serialize};
+
 /// The id of a classifier of \[P\]. It stays valid as a name after the classifier was deleted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct ClassifierId {
     slot: u32,
     generation: u32,
+}
+
+impl ClassifierId {
+    /// Returns the id of the classifier at a position of a population from which nothing was removed.
+    pub(super) fn first_at(position: usize) -> Self {
+        Self {
+            slot: position as u32,
+            generation: 0,
+        }
+    }
 }
 
 /// The position of each classifier by id.

@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::action::WIDE_ACTIONS;
 use crate::bounds::OutOfRange;
 use crate::params::Params;
 use crate::random::Stream;
 use crate::representation::{Index, Representation};
 use crate::settings;
-use crate::signal::WIDE_ACTIONS;
 
 settings! {
     section "xcsr";

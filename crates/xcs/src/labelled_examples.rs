@@ -1,8 +1,9 @@
 //! Labelled examples: the best actions in a percept.
 
+use super::action::{Action, ByAction, MAX_ACTIONS};
 use super::layout::{Feature, Layout};
+use super::percept::Percept;
 use super::prediction::PredictionArray;
-use super::signal::{Action, ByAction, MAX_ACTIONS, Percept};
 use fixedbitset::FixedBitSet;
 
 /// The label of one percept.

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use crate::condition::Condition;
+use crate::percept::Percept;
 use crate::ranges::{self, NumberRange};
-use crate::signal::Percept;
 
 /// The binary numbers in a percept, highest bit first. Conditions of guided covering require
 /// ranges of these numbers, and values of all other bits.

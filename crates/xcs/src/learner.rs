@@ -4,12 +4,13 @@ use super::classifier::Classifier;
 use super::condition::Condition;
 use super::ga::{self, Parent};
 use super::params::{GaClock, Params, RateScope, SubsumerTies, UpdateOrder};
-use super::population::{MOST_STEPS, Population};
+use super::population::Population;
 use super::prediction::PredictionArray;
 use super::representation::Representation;
 use super::sets::{ActionSet, MatchSet};
+use crate::action::Action;
+use crate::percept::Percept;
 use crate::random::Stream;
-use crate::signal::{Action, Percept};
 
 /// XCS: a population and the procedures that cover, predict, update and evolve it.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,23 +21,12 @@ pub struct Xcs<C: Representation = Condition> {
     pub(super) actions: usize,
     pub(super) population: Population<C>,
     /// t: match sets formed so far, as [`GaClock`] counts them.
-    time: u64,
+    pub(super) time: u64,
     pub(super) stream: Stream,
     /// True if the GA may run.
-    evolves: bool,
+    pub(super) evolves: bool,
     /// True if the mapping adapts, as in XCSAM.
     pub(super) adapts: bool,
-}
-
-/// The part of an [`Xcs`] that learning changes. A learner with the same parameters continues from
-/// it bit for bit.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(bound = "C: Representation")]
-pub(crate) struct XcsState<C: Representation = Condition> {
-    population: Population<C>,
-    time: u64,
-    stream: Stream,
-    evolves: bool,
 }
 
 impl Xcs {
@@ -78,7 +68,8 @@ impl<C: Representation> Xcs<C> {
 
     /// Starts from rules learned elsewhere, as if the GA had just run on each of them.
     pub fn start_from(&mut self, rules: &Population<C>) {
-        self.population = rules.stamped(self.time, self.eam_at_first());
+        let (time, eam) = (self.time, self.eam_at_first());
+        self.population = rules.changed(|rule| (rule.time_stamp, rule.eam) = (time, eam));
         self.population
             .delete_surplus(&self.params, &mut self.stream);
     }
@@ -94,32 +85,6 @@ impl<C: Representation> Xcs<C> {
         self.population
             .delete_surplus(&self.params, &mut self.stream);
         self
-    }
-
-    /// Returns everything that learning has changed so far.
-    pub(crate) fn learned(&self) -> XcsState<C> {
-        XcsState {
-            population: self.population.clone(),
-            time: self.time,
-            stream: self.stream.clone(),
-            evolves: self.evolves,
-        }
-    }
-
-    /// Continues from the state of a learner with the same parameters. Returns `false`, and changes
-    /// nothing, if the state cannot come from these parameters.
-    pub(crate) fn resume(&mut self, learned: XcsState<C>) -> bool {
-        let known = |rule: &Classifier<C>| rule.action.index() < self.actions;
-        let fits = learned.time <= MOST_STEPS
-            && learned.population.micro() <= self.params.population_size
-            && learned.population.rules().iter().all(known);
-        if fits {
-            self.population = learned.population;
-            self.time = learned.time;
-            self.stream = learned.stream;
-            self.evolves = learned.evolves;
-        }
-        fits
     }
 
     /// Returns \[P\].
@@ -163,7 +128,7 @@ impl<C: Representation> Xcs<C> {
 
     /// Covers all actions missing from \[M\]; `false` if none is missing.
     fn cover_missing(&mut self, percept: &C::Percept, set: &MatchSet<C>) -> bool {
-        let missing = Action::wide_all(self.actions).filter(|&action| !set.covers(action));
+        let missing = Action::all(self.actions).filter(|&action| !set.covers(action));
         let mut lacks_some = false;
         for action in missing {
             self.cover(percept, action);
@@ -218,7 +183,7 @@ impl<C: Representation> Xcs<C> {
     pub fn action_values(&self, percept: &C::Percept) -> Vec<Option<f64>> {
         let sums = self.population.sums(percept);
         let value = |action| sums.value(action, self.params.value_over_match_set);
-        Action::wide_all(self.actions).map(value).collect()
+        Action::all(self.actions).map(value).collect()
     }
 
     /// Returns the fittest rule of a set, which has the largest weight in the value of its action.

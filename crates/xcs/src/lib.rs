@@ -52,6 +52,7 @@
 pub mod bounds;
 pub mod random;
 
+mod action;
 mod agent;
 mod classifier;
 mod condition;
@@ -67,16 +68,17 @@ mod labelled_examples;
 mod mapping;
 mod match_index;
 mod params;
+mod percept;
 mod population;
 mod prediction;
 mod ranges;
 mod representation;
 mod runner;
 mod sets;
-mod signal;
 #[cfg(test)]
 mod limits;
 
+pub use action::{Action, ByAction, MAX_ACTIONS, WIDE_ACTIONS};
 pub use agent::{Agent, AgentState};
 pub use classifier::Classifier;
 pub use condition::{Condition, ConditionError};
@@ -90,16 +92,13 @@ pub use layout::Layout;
 pub use learner::Xcs;
 pub use match_index::MatchIndex;
 pub use params::{GaClock, Params, RateScope, SubsumerTies, UpdateOrder};
+pub use percept::{MAX_PERCEPT_BITS, PERCEPT_WORDS, Percept, PerceptError};
 pub use population::{Population, PopulationError};
 pub use prediction::{PredictionArray, PredictionSums};
 pub use ranges::NumberRange;
 pub use representation::{Index, Representation};
 pub use runner::{Environment, Episode, Response, Runner};
 pub use sets::{ActionSet, MatchSet};
-pub use signal::{
-    Action, ByAction, MAX_ACTIONS, MAX_PERCEPT_BITS, PERCEPT_WORDS, Percept, PerceptError,
-    WIDE_ACTIONS,
-};
 
 /// Runs the example of the README as a doctest.
 #[cfg(doctest)]

@@ -10,7 +10,7 @@
 use super::learner::Xcs;
 use super::representation::Representation;
 use super::sets::{ActionSet, MatchSet};
-use crate::signal::Action;
+use crate::action::Action;
 
 /// zeta: the fraction of the greatest value that a payoff must reach to count as the best.
 const ZETA: f64 = 0.99;
@@ -55,7 +55,7 @@ impl<C: Representation> Xcs<C> {
     /// Covers a random action missing from \[M\] if \[M\] has fewer actions than its rules require.
     /// Returns `false` if \[M\] has enough.
     pub(super) fn cover_by_eam(&mut self, percept: &C::Percept, set: &MatchSet<C>) -> bool {
-        let missing = Action::wide_all(self.actions).filter(|&action| !set.covers(action));
+        let missing = Action::all(self.actions).filter(|&action| !set.covers(action));
         let missing: Vec<Action> = missing.collect();
         let held = self.actions - missing.len();
         if held as f64 >= self.required_actions(set) {

@@ -2,8 +2,8 @@
 
 use super::condition::Condition;
 use super::representation::Index;
+use crate::percept::{MAX_PERCEPT_BITS, Percept};
 use crate::ranges::Ranges;
-use crate::signal::{MAX_PERCEPT_BITS, Percept};
 
 /// Alleles per look-up.
 const ALLELES: usize = 4;

@@ -12,8 +12,8 @@ use super::handles::{ClassifierId, Handles};
 use super::params::{GREATEST_POPULATION, Params};
 use super::prediction::PredictionSums;
 use super::representation::{Index, Representation};
+use crate::action::Action;
 use crate::random::Stream;
-use crate::signal::Action;
 
 /// More steps than any run can reach. Counters up to this value leave room for arithmetic.
 pub(super) const MOST_STEPS: u64 = 1 << 40;
@@ -85,11 +85,6 @@ impl<C: Representation> Population<C> {
         self.handles.position(id)
     }
 
-    /// Returns the id of the rule at a position in [`Self::rules`].
-    pub(super) fn id_at(&self, position: usize) -> ClassifierId {
-        self.handles.id_at(position)
-    }
-
     /// Returns the rules among some ids that have not been deleted.
     pub(super) fn living<'a>(
         &'a self,
@@ -132,6 +127,11 @@ impl<C: Representation> Population<C> {
         id
     }
 
+    /// Returns true if there is a rule with this condition and action.
+    pub(super) fn contains(&self, condition: &C, action: Action) -> bool {
+        self.twins.contains_key(&(condition.clone(), action))
+    }
+
     /// Removes a rule with all its numerosity and returns it.
     pub(super) fn remove(&mut self, id: ClassifierId) -> Option<Classifier<C>> {
         let at = self.handles.position(id)?;
@@ -166,17 +166,15 @@ impl<C: Representation> Population<C> {
         sums
     }
 
-    /// Returns the same rules, all with the time stamp `time` and the effect of mapping `eam`.
-    pub(super) fn stamped(&self, time: u64, eam: f32) -> Self {
-        let mut stamped = Self::default();
-        for rule in &self.rules {
-            stamped.insert(Classifier {
-                time_stamp: time,
-                eam,
-                ..rule.clone()
-            });
+    /// Returns the same rules after a change, with the ids of rules that were inserted in this order. Condition and action
+    /// must not change.
+    pub(super) fn changed(&self, change: impl Fn(&mut Classifier<C>)) -> Self {
+        let mut changed = Self::default();
+        for mut rule in self.rules.iter().cloned() {
+            change(&mut rule);
+            changed.insert(rule);
         }
-        stamped
+        changed
     }
 
     /// Calls `found` with each matching rule, in population order.

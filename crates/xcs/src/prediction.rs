@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::classifier::Classifier;
-use crate::signal::{Action, ByAction, MAX_ACTIONS};
+use crate::action::{Action, MAX_ACTIONS};
 
 /// Values that differ by less than this share are nearly equal.
 const NEARLY: f64 = 1e-3;
@@ -24,14 +24,16 @@ impl PredictionArray {
         }
     }
 
-    /// Sets the value of an action.
+    /// Sets the value of an action; does nothing from [`MAX_ACTIONS`] on.
     pub fn set(&mut self, action: Action, value: f64) {
-        self.value[action.index()] = Some(value);
+        if let Some(old) = self.value.get_mut(action.index()) {
+            *old = Some(value);
+        }
     }
 
     /// Returns the value of an action; `None` if no rule advocates it.
     pub fn get(&self, action: Action) -> Option<f64> {
-        self.value[action.index()]
+        self.value.get(action.index()).copied().flatten()
     }
 
     /// Returns the value of every action, in the order of the actions.
@@ -67,10 +69,8 @@ fn is_nearly(value: f64, greatest: f64) -> bool {
 /// The sums that action values are computed from.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct PredictionSums {
-    /// By action: the sum of fitness-weighted predictions, and the sum of fitness.
-    sums: ByAction<(f64, f64)>,
-    /// The same sums for the actions from [`MAX_ACTIONS`] on, up to the highest action added.
-    wide: Vec<(f64, f64)>,
+    /// By action, up to the highest one added: the sum of fitness-weighted predictions, and the sum of fitness.
+    sums: Vec<(f64, f64)>,
 }
 
 impl PredictionSums {
@@ -78,45 +78,37 @@ impl PredictionSums {
     #[inline]
     pub fn add<C>(&mut self, rule: &Classifier<C>) {
         let at = rule.action.index();
-        let (weighted, fitness) = match at < MAX_ACTIONS {
-            true => &mut self.sums[at],
-            false => self.wide(at - MAX_ACTIONS),
-        };
+        if at >= self.sums.len() {
+            self.sums.resize(at + 1, (0.0, 0.0));
+        }
+        let (weighted, fitness) = &mut self.sums[at];
         *weighted += rule.prediction * rule.fitness;
         *fitness += rule.fitness;
     }
 
-    /// Returns the sums of a wide action. Not inlined, because most learners have few actions.
-    #[cold]
-    fn wide(&mut self, at: usize) -> &mut (f64, f64) {
-        self.wide.resize(self.wide.len().max(at + 1), (0.0, 0.0));
-        &mut self.wide[at]
+    /// Forgets all rules.
+    pub(super) fn clear(&mut self) {
+        self.sums.clear();
     }
 
-    /// Returns the value of one action, computed as in [`Self::array`]. Also works for a wide
-    /// action. Returns `None` if no rule advocates the action.
+    /// Returns the value of one action, computed as in [`Self::array`]; `None` if no rule advocates it.
     pub fn value(&self, action: Action, over_match_set: bool) -> Option<f64> {
-        let wide = || self.wide.get(action.index() - MAX_ACTIONS);
-        let &(weighted, own) = self.sums.get(action.index()).or_else(wide)?;
-        let all = || {
-            self.sums
-                .iter()
-                .chain(&self.wide)
-                .map(|(_, fitness)| fitness)
+        let &(weighted, own) = self.sums.get(action.index())?;
+        let total = match over_match_set {
+            true => self.sums.iter().map(|(_, fitness)| fitness).sum(),
+            false => own,
         };
-        let total = if over_match_set { all().sum() } else { own };
         (own > 0.0).then(|| weighted / total)
     }
 
-    /// Returns those of `actions` actions that have the greatest value; none if no action has a value. Also works for wide
-    /// actions.
+    /// Returns those of `actions` actions that have the greatest value; none if no action has a value.
     pub(super) fn best(&self, actions: usize, over_match_set: bool) -> Vec<Action> {
         self.chosen(actions, over_match_set, |value, greatest| value == greatest)
     }
 
     /// Returns those of `actions` actions that are nearly best, as [`PredictionArray::is_nearly_best`] does.
-    pub(super) fn nearly_best(&self, actions: usize) -> Vec<Action> {
-        self.chosen(actions, false, is_nearly)
+    pub(super) fn nearly_best(&self, actions: usize, over_match_set: bool) -> Vec<Action> {
+        self.chosen(actions, over_match_set, is_nearly)
     }
 
     /// Returns the actions whose value is good enough compared with the greatest.
@@ -127,7 +119,7 @@ impl PredictionSums {
         is_enough: impl Fn(f64, f64) -> bool,
     ) -> Vec<Action> {
         let values =
-            Action::wide_all(actions).map(|action| (action, self.value(action, over_match_set)));
+            Action::all(actions).map(|action| (action, self.value(action, over_match_set)));
         let values: Vec<(Action, f64)> = values
             .filter_map(|(action, value)| Some((action, value?)))
             .collect();
@@ -143,8 +135,8 @@ impl PredictionSums {
     /// rules with the action.
     pub fn array(&self, actions: usize, over_match_set: bool) -> PredictionArray {
         let mut array = PredictionArray::new(actions);
-        for action in Action::all(actions) {
-            array.value[action.index()] = self.value(action, over_match_set);
+        for (action, value) in Action::all(actions).zip(&mut array.value) {
+            *value = self.value(action, over_match_set);
         }
         array
     }
@@ -175,7 +167,7 @@ mod tests {
             fitness,
             ..Classifier::<Condition>::new("#".parse().unwrap(), action, 0, &Params::default())
         };
-        let (narrow, wide) = (Action::new(0).unwrap(), Action::wide(MAX_ACTIONS).unwrap());
+        let (narrow, wide) = (Action::new(0).unwrap(), Action::new(MAX_ACTIONS).unwrap());
         let mut sums = PredictionSums::default();
         sums.add(&rule(narrow, 1.0));
         sums.add(&rule(wide, 2.0));

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use crate::signal::Percept;
+use crate::percept::Percept;
 
 /// The largest number of ranges of a condition.
 pub const MOST: usize = 2;

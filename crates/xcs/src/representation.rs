@@ -6,12 +6,13 @@ use std::hash::Hash;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::action::MAX_ACTIONS;
 use crate::bounds::OutOfRange;
 use crate::condition::Condition;
 use crate::match_index::MatchIndex;
 use crate::params::Params;
+use crate::percept::Percept;
 use crate::random::Stream;
-use crate::signal::{MAX_ACTIONS, Percept};
 
 /// A kind of condition, with its operators for covering, crossover, mutation and subsumption.
 ///

@@ -1,12 +1,13 @@
 //! The loop of perceiving, acting and learning in any [`Environment`].
 
+use crate::action::Action;
 use crate::agent::Agent;
 use crate::bounds::OutOfRange;
 use crate::condition::Condition;
 use crate::learner::Xcs;
 use crate::params::Params;
+use crate::percept::Percept;
 use crate::representation::Representation;
-use crate::signal::{Action, Percept};
 
 /// An environment: it returns percepts and rewards, and takes actions.
 ///

@@ -8,10 +8,11 @@ use super::handles::ClassifierId;
 use super::population::Population;
 use super::prediction::PredictionSums;
 use super::representation::Representation;
-use crate::signal::Action;
+use crate::action::Action;
 
 /// \[M\]: the rules that matched a percept when the set was formed. Reused from step to step.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "C: Representation")]
 pub struct MatchSet<C: Representation = Condition> {
     percept: Option<C::Percept>,
     /// The rules that advocate each action, in population order. Has as many lists as were needed
@@ -41,7 +42,7 @@ impl<C: Representation> MatchSet<C> {
         self.percept = Some(percept.clone());
         self.members.iter_mut().for_each(Vec::clear);
         self.micro = 0;
-        self.sums = PredictionSums::default();
+        self.sums.clear();
     }
 
     /// Adds a matching rule.
@@ -84,15 +85,11 @@ impl<C: Representation> MatchSet<C> {
         self.percept.as_ref()
     }
 
-    /// Returns the set in its file form, without deleted rules.
-    pub(super) fn saved(&self, population: &Population<C>) -> Option<SavedMatchSet<C>> {
-        let lists = self.members.iter();
-        Some(SavedMatchSet {
-            percept: self.percept.clone()?,
-            members: lists.map(|ids| positions(ids, population)).collect(),
-            micro: self.micro,
-            sums: self.sums.clone(),
-        })
+    /// Replaces the ids of the rules that have not been deleted by those of a restored population, and forgets the others.
+    pub(super) fn renumber(&mut self, population: &Population<C>) {
+        self.members
+            .iter_mut()
+            .for_each(|ids| renumber(ids, population));
     }
 
     /// Returns the number of micro-classifiers in \[M\] when it was formed.
@@ -122,7 +119,8 @@ impl<C: Representation> MatchSet<C> {
 
 /// \[A\]: the rules that advocated the chosen action in a percept. Stores ids, because the set may
 /// outlive deleted rules.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "C: Representation")]
 pub struct ActionSet<C: Representation = Condition> {
     /// The percept that the rules match.
     pub percept: C::Percept,
@@ -137,73 +135,13 @@ impl<C: Representation> ActionSet<C> {
         &self.members
     }
 
-    /// Returns the set in its file form, without deleted rules.
-    pub(super) fn saved(&self, population: &Population<C>) -> SavedActionSet<C> {
-        SavedActionSet {
-            percept: self.percept.clone(),
-            action: self.action,
-            members: positions(&self.members, population),
-        }
+    /// Does what [`MatchSet::renumber`] does.
+    pub(super) fn renumber(&mut self, population: &Population<C>) {
+        renumber(&mut self.members, population);
     }
 }
 
-/// The file form of \[M\], with positions in the population in place of ids.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "C: Representation")]
-pub(super) struct SavedMatchSet<C: Representation> {
-    percept: C::Percept,
-    members: Vec<Vec<u32>>,
-    micro: u32,
-    sums: PredictionSums,
-}
-
-impl<C: Representation> SavedMatchSet<C> {
-    /// Restores the set; `None` if it does not fit this population and number of actions.
-    pub fn restored(self, population: &Population<C>, actions: usize) -> Option<MatchSet<C>> {
-        let lists = self.members.iter();
-        let members: Option<Vec<_>> = lists.map(|list| ids(list, population)).collect();
-        let members = members.filter(|members| members.len() <= actions)?;
-        Some(MatchSet {
-            percept: Some(self.percept),
-            members,
-            micro: self.micro,
-            sums: self.sums,
-        })
-    }
-}
-
-/// The file form of \[A\], with positions in the population in place of ids.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "C: Representation")]
-pub(super) struct SavedActionSet<C: Representation> {
-    percept: C::Percept,
-    #[serde(deserialize_with = "Action::read::<C, _>")]
-    action: Action,
-    members: Vec<u32>,
-}
-
-impl<C: Representation> SavedActionSet<C> {
-    /// Restores the set; `None` if it does not fit this population and number of actions.
-    pub fn restored(self, population: &Population<C>, actions: usize) -> Option<ActionSet<C>> {
-        let members = ids(&self.members, population)?;
-        (self.action.index() < actions).then_some(ActionSet {
-            percept: self.percept,
-            action: self.action,
-            members,
-        })
-    }
-}
-
-fn positions<C: Representation>(ids: &[ClassifierId], population: &Population<C>) -> Vec<u32> {
-    let living = ids.iter().filter_map(|&id| population.position(id));
-    living.map(|position| position as u32).collect()
-}
-
-fn ids<C: Representation>(
-    positions: &[u32],
-    population: &Population<C>,
-) -> Option<Vec<ClassifierId>> {
-    let exists = |&position: &u32| (position as usize) < population.len();
-    let id = |position: u32| exists(&position).then(|| population.id_at(position as usize));
-    positions.iter().map(|&position| id(position)).collect()
+fn renumber<C: Representation>(ids: &mut Vec<ClassifierId>, population: &Population<C>) {
+    let positions = ids.iter().filter_map(|&id| population.position(id));
+    *ids = positions.map(ClassifierId::first_at).collect();
 }

@@ -342,3 +342,22 @@ fn the_simulated_robot_stops_half_a_second_after_the_last_command() {
     assert!(rates[9] > 0.9, "control: {rates:?}");
     assert!(rates[14].abs() < 0.05, "{rates:?}");
 }
+
+#[test]
+fn a_fault_of_the_first_episode_breaks_the_simulated_robot_and_one_of_the_second_does_not() {
+    let turn_rate = |from_episode| {
+        let mut physics = Plan::new(maze4()).config.settings.physics;
+        physics.faults.from_episode = from_episode;
+        physics.faults.stuck_encoder = true;
+        let mut robot = SimulatedRobot::new(maze4(), &physics, 1, None).unwrap();
+        robot.command(Speeds {
+            forward_mps: 0.3,
+            turn_radps: 0.0,
+        });
+        let rates = (0..9).map(|_| robot.step().odometry.speeds.turn_radps);
+        rates.last().unwrap()
+    };
+    let (broken, sound) = (turn_rate(1), turn_rate(2));
+    assert!(broken > 0.5, "the left wheel seems to stand: {broken}");
+    assert!(sound.abs() < 0.2, "control: {sound}");
+}

@@ -26,7 +26,7 @@ use xcs::Action;
 pub enum DecisionSource {
     /// The rules of \[P\], by their prediction array.
     Rules,
-    /// The table of a tabular method (learned or planned), or a plan on maps.
+    /// The table of a tabular method, or the plan of `r-max`.
     Table,
     /// An exploration plan.
     Planner,

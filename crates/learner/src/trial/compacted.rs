@@ -9,7 +9,7 @@ use xcscr_robot::world::{Maze, Paths};
 /// The fewest rules of a learner that keep all its decisions in a maze, tested there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compacted {
-    /// The rules, with the statistics of \[P\].
+    /// The rules. Their conditions are as general as no decision changes, and their statistics are those of \[P\].
     pub rules: Population,
     /// True if their policy is globally optimal.
     pub optimal: bool,
@@ -29,8 +29,11 @@ impl Compacted {
     ) -> Option<Self> {
         let (perception, actions) = (perception.into(), maze.action_count());
         let percepts = knowledge.decided(perception, maze, Self::MOST_PERCEPTS)?;
-        let rules = fewest_rules(knowledge.rules()?, &percepts, actions);
-        let frozen = Box::new(Frozen::new(Knowledge::Rules(rules.clone()), actions, 1));
+        let layout = perception.sensor.layout(maze);
+        let over_match_set = knowledge.divides_over_match_set();
+        let rules = knowledge.rules()?;
+        let rules = fewest_rules(rules, &percepts, actions, &layout, over_match_set);
+        let frozen = Box::new(Frozen::new(knowledge.with_rules(rules.clone()), actions, 1));
         let policy = WithHistory::around(frozen, History::new(perception, maze));
         let fault = FaultFinder::default().find(&*policy, perception.sensor, maze, paths);
         Some(Self {

@@ -1,5 +1,4 @@
-//! The optimum for slipping actions: value iteration on the true maze. The learner's value iteration on its map
-//! is another one, so that a test can compare both.
+//! The optimum for slipping actions: value iteration on the true maze.
 
 use super::direction::Direction;
 use super::maze::{Cell, Maze};

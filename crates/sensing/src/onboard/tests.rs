@@ -191,6 +191,24 @@ fn a_beam_into_a_corner_or_off_every_line_is_rejected() {
     }
 }
 
+/// Returns the variance along the path after a straight step of a robot that was put down.
+fn variance_after(slips: bool) -> f64 {
+    let mut estimator = estimator(0.5, 0.5);
+    if slips {
+        estimator.step(&readings([0.2, -0.2], 0.0, &[]));
+        assert!(estimator.slips(), "control");
+    }
+    estimator.put_down(at(0.5, 0.5), PUT_DOWN);
+    estimator.step(&readings([0.05, 0.05], 0.0, &[]));
+    estimator.covariance()[(0, 0)]
+}
+
+#[test]
+fn slip_before_the_robot_was_put_down_does_not_make_it_uncertain() {
+    let (after_slip, usual) = (variance_after(true), variance_after(false));
+    assert!(after_slip < 1.01 * usual, "{after_slip}, {usual}");
+}
+
 /// Four beams along x show that the robot is at 0.7 and not at 0.5.
 fn after_disagreeing_beams(batch_check: bool, steps: usize) -> Estimator {
     let mut robot = robot();

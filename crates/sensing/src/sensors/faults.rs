@@ -9,8 +9,8 @@ pub(super) struct Faults {
     params: FaultParams,
     /// The cosine of half of the dead sector.
     dead_above: f64,
-    /// How often the robot was put down; once before the first episode.
-    resets: u32,
+    /// The number of the episode, from 1; 0 before the first one.
+    episode: u32,
     /// The drift of the gyro, in radians per step.
     drift_rad: f64,
 }
@@ -22,20 +22,19 @@ impl Faults {
         Self {
             dead_above: libm::cos(half),
             params: params.clone(),
-            resets: 0,
+            episode: 0,
             drift_rad: 0.0,
         }
     }
 
-    /// Begins the next episode.
-    pub(super) fn reset(&mut self) {
-        self.resets = self.resets.saturating_add(1);
+    /// Begins an episode.
+    pub(super) fn begin_episode(&mut self, episode: u32) {
+        self.episode = episode;
     }
 
-    /// Returns true if the faults have started. The arena puts the robot down once before the first
-    /// episode.
+    /// Returns true if the faults have started.
     pub(super) fn have_started(&self) -> bool {
-        self.resets.saturating_sub(1) >= self.params.from_episode
+        self.episode >= self.params.from_episode
     }
 
     /// Removes the ranges of the beams in the dead sector.
@@ -89,7 +88,7 @@ mod tests {
             gyro_drift_radps2: 0.4,
             dead_bumper: true,
         });
-        (0..=episode).for_each(|_| faults.reset());
+        faults.begin_episode(episode);
         let mut beams = [
             beam(1.0, 0.0),
             beam(0.6, 0.8),

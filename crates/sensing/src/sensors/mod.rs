@@ -99,10 +99,11 @@ impl Sensors {
         }
     }
 
-    /// Begins the next episode, for which the robot was lifted and put down at rest.
-    pub fn reset(&mut self) {
+    /// Counts from here: the robot was lifted and put down at rest in an episode, counted from 1. Number 0 comes before
+    /// the first episode.
+    pub fn reset(&mut self, episode: u32) {
         self.encoders.reset();
-        self.faults.reset();
+        self.faults.begin_episode(episode);
     }
 
     /// Returns the readings of a step; fills `beams` with the beams of the lidar.

@@ -1,7 +1,7 @@
 //! Tests of the deletion votes.
 
 use super::*;
-use crate::signal::Action;
+use crate::action::Action;
 
 fn rule(set_size: f64, fitness: f64, numerosity: u32, experience: u32) -> Classifier {
     let params = Params::default();

@@ -36,15 +36,11 @@ pub(super) fn step_credit(
     }
 }
 
-/// Describes the rules that match a percept or context, and those of them that advocate an action.
-pub(super) fn credit_of_rules(
-    rules: &Population,
-    rule_input: &Percept,
-    action: Action,
-) -> StepCredit {
+/// Describes the rules that match a percept, and those of them that advocate an action.
+pub(super) fn credit_of_rules(rules: &Population, percept: &Percept, action: Action) -> StepCredit {
     let mut credit = StepCredit::default();
     let (mut error, mut fitness, mut greatest) = (0.0, 0.0, f64::NEG_INFINITY);
-    rules.for_each_match(rule_input, |_, rule| {
+    rules.for_each_match(percept, |_, rule| {
         credit.match_set += rule.numerosity;
         if rule.action != action {
             return;

@@ -80,6 +80,11 @@ impl Knowledge {
         }
     }
 
+    /// Returns true if action values are divided by the fitness of all of \[M\].
+    pub fn divides_over_match_set(&self) -> bool {
+        matches!(self, Self::RulesOverMatchSet(_))
+    }
+
     /// Returns the knowledge with other rules.
     pub fn with_rules(&self, rules: Population) -> Self {
         match self {

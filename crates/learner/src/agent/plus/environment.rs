@@ -255,7 +255,13 @@ impl EnvironmentLearner {
         let known = self.model.sorted();
         let known = known.filter(|&(_, number)| self.known.value(number) > 0.0);
         let percepts: Vec<Percept> = known.map(|(percept, _)| *percept).collect();
-        fewest_rules(self.population(), &percepts, self.actions)
+        fewest_rules(
+            self.population(),
+            &percepts,
+            self.actions,
+            &xcs::Layout::default(),
+            false,
+        )
     }
 
     /// Returns \[P\].

@@ -7,7 +7,7 @@ use crate::world::{Cell, Maze};
 /// Returns the cell that contains a measured position, in metres of the grid frame.
 ///
 /// The robot cannot be inside a wall. A measurement inside a wall or outside the maze is an
-/// outlier, and the estimate stays at `believed`.
+/// outlier, and the cell stays at `estimated`.
 pub(super) fn cell_from_position(maze: &Maze, measured_m: Point2<f64>, estimated: Cell) -> Cell {
     maze.cell_in_grid(measured_m)
         .filter(|&cell| !maze.is_wall(cell))

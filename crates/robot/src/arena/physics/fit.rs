@@ -20,17 +20,14 @@ pub fn check_fit(maze: &Maze, params: &PhysicsParams) -> Result<(), PhysicsError
     }
 }
 
-/// Returns a world in which the robot fits along every move.
+/// Returns the world with the cells and moves that the robot can use ([`Maze::for_robot`]).
 ///
 /// # Errors
 /// Those of [`check_fit`].
 pub(super) fn fitted(maze: &Maze, params: &PhysicsParams) -> Result<Maze, PhysicsError> {
     let needed_m = params.needed_m();
-    let Some(clear_m) = maze.clear_radius_m() else {
+    if !maze.is_from_map() {
         return check_cells(maze, params).map(|()| maze.clone());
-    };
-    if clear_m >= needed_m {
-        return Ok(maze.clone());
     }
     maze.for_robot(needed_m).ok_or_else(|| {
         let ends = maze.starts().next().zip(maze.goals().first().copied());

@@ -79,6 +79,8 @@ pub struct PhysicsArena {
     robot: Robot,
     pilot: Pilot,
     cell: Cell,
+    /// The number of the episode, from 1; 0 before the first one.
+    episode: u32,
     records: Records,
 }
 
@@ -94,10 +96,25 @@ impl PhysicsArena {
             pilot: Pilot::new(robot.params(), robot.maze()),
             robot,
             cell,
+            episode: 0,
             records: Records::default(),
         };
-        arena.reset(cell);
+        arena.put_down(cell);
         Ok(arena)
+    }
+
+    /// Puts the robot down in the middle of a cell, and lets it look round.
+    fn put_down(&mut self, start: Cell) {
+        let pose = Isometry2::from(self.robot.maze().centre_in_grid(start).coords);
+        self.robot.put_down(pose, self.episode);
+        self.cell = start;
+        let (at, time_ns) = (self.robot.pose(), self.robot.time_ns());
+        self.pilot.put_down(at, PUT_DOWN, time_ns);
+        self.records.begin(&self.pilot, self.robot.maze());
+        while !self.pilot.has_seen() {
+            self.pilot.sense(&self.robot.wait());
+            self.records.add(&self.pilot, &self.robot);
+        }
     }
 
     /// Sets the cell to the estimated one. An estimate outside the free cells leaves the last cell.
@@ -117,16 +134,8 @@ impl PhysicsArena {
 
 impl Arena for PhysicsArena {
     fn reset(&mut self, start: Cell) {
-        let pose = Isometry2::from(self.robot.maze().centre_in_grid(start).coords);
-        self.robot.put_down(pose);
-        self.cell = start;
-        let (at, time_ns) = (self.robot.pose(), self.robot.time_ns());
-        self.pilot.put_down(at, PUT_DOWN, time_ns);
-        self.records.begin(&self.pilot, self.robot.maze());
-        while !self.pilot.has_seen() {
-            self.pilot.sense(&self.robot.wait());
-            self.records.add(&self.pilot, &self.robot);
-        }
+        self.episode = self.episode.saturating_add(1);
+        self.put_down(start);
     }
 
     fn act(&mut self, action: Action) -> Outcome {

@@ -119,14 +119,15 @@ impl Robot {
         Ok(robot)
     }
 
-    /// Places the robot at rest at a pose of the grid frame, in metres. Time continues.
-    pub fn put_down(&mut self, pose: Isometry2<f64>) {
+    /// Places the robot at rest at a pose of the grid frame, in metres, in an episode counted from 1. Number 0 comes
+    /// before the first episode. Time continues.
+    pub fn put_down(&mut self, pose: Isometry2<f64>, episode: u32) {
         self.simulation.set_state(&self.initial);
         self.simulation
             .body_mut()
             .set_position(pose_of(&pose), true);
         self.wheels = Wheels::default();
-        self.sensors.reset();
+        self.sensors.reset(episode);
         self.begin_trace();
     }
 

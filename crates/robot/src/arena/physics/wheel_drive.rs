@@ -13,6 +13,8 @@ use xcscr_sensing::cast;
 pub struct WheelDrive {
     robot: Robot,
     cell: Cell,
+    /// The number of the episode, from 1; 0 before the first one.
+    episode: u32,
 }
 
 impl WheelDrive {
@@ -21,6 +23,7 @@ impl WheelDrive {
         Self {
             cell: first_cell(robot.maze()),
             robot,
+            episode: 0,
         }
     }
 
@@ -29,14 +32,15 @@ impl WheelDrive {
         self.robot.view(self.cell)
     }
 
-    /// Puts the robot at rest in the middle of a free cell. The heading is in radians,
+    /// Begins an episode: puts the robot at rest in the middle of a free cell. The heading is in radians,
     /// counter-clockwise from the grid's x axis.
     pub fn reset(&mut self, start: Cell, heading_rad: f64) {
+        self.episode = self.episode.saturating_add(1);
         let (sine, cosine) = libm::sincos(heading_rad);
         let heading = UnitComplex::new_unchecked(Complex::new(cosine, sine));
         let middle = self.robot.maze().centre_in_grid(start);
         self.robot
-            .put_down(Isometry2::from_parts(middle.into(), heading));
+            .put_down(Isometry2::from_parts(middle.into(), heading), self.episode);
         self.robot.begin_action();
         self.cell = start;
     }

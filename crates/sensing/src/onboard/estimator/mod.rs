@@ -186,6 +186,7 @@ impl Estimator {
     pub fn put_down(&mut self, pose: Isometry2<f64>, [off_m, off_rad]: [f64; 2]) {
         self.place(pose, [off_m, off_m, off_rad]);
         self.filter.slip = WheelSlip::default();
+        self.filter.wary = 0;
         self.filter.strain = [0.0; 2];
         self.filter.last = LastStep::default();
     }

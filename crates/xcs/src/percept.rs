@@ -1,25 +1,14 @@
-//! The signals between learner and environment: [`Percept`] and [`Action`].
+//! Binary percepts.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use crate::condition::Condition;
-use crate::representation::Representation;
-
 /// Machine words in a [`Percept`]; 64 bits each.
 pub const PERCEPT_WORDS: usize = 5;
 /// The widest percept, in bits.
 pub const MAX_PERCEPT_BITS: usize = 64 * PERCEPT_WORDS;
-/// The largest number of actions of a learner with ternary conditions.
-pub const MAX_ACTIONS: usize = 8;
-/// The largest number of actions of a learner with interval conditions.
-pub const WIDE_ACTIONS: usize = 256;
-
-/// A value for each of [`MAX_ACTIONS`] actions, including those that an environment lacks.
-pub type ByAction<T> = [T; MAX_ACTIONS];
-
 /// A percept: a string of at most [`MAX_PERCEPT_BITS`] bits.
 ///
 /// Bit 0 is the first character of the printed form. Bits beyond the width are zero, so that
@@ -145,65 +134,6 @@ impl From<Percept> for String {
     }
 }
 
-/// An action: one of `0..n`, where `n` is at most [`MAX_ACTIONS`], or [`WIDE_ACTIONS`] for learners
-/// with interval conditions.
-///
-/// The learner knows only the number; the environment defines its meaning.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(transparent)]
-pub struct Action(u8);
-
-impl Action {
-    /// Returns action number `index`; `None` from [`MAX_ACTIONS`] on.
-    pub fn new(index: usize) -> Option<Self> {
-        (index < MAX_ACTIONS).then_some(Self(index as u8))
-    }
-
-    /// Returns the first `count` actions (at most [`MAX_ACTIONS`]), in order.
-    pub fn all(count: usize) -> impl DoubleEndedIterator<Item = Self> + Clone {
-        (0..count.min(MAX_ACTIONS)).map(|index| Self(index as u8))
-    }
-
-    /// Returns action number `index` for a learner with interval conditions; `None` from
-    /// [`WIDE_ACTIONS`] on. Arrays by action ([`ByAction`]) have no entry for such an action.
-    pub fn wide(index: usize) -> Option<Self> {
-        u8::try_from(index).ok().map(Self)
-    }
-
-    /// Returns the first `count` actions (at most [`WIDE_ACTIONS`]), in order.
-    pub(super) fn wide_all(count: usize) -> impl DoubleEndedIterator<Item = Self> + Clone {
-        (0..count.min(WIDE_ACTIONS)).map(|index| Self(index as u8))
-    }
-
-    /// Reads an action of a learner with at most `C::MAX_ACTIONS` actions.
-    pub(super) fn read<'de, C, D>(deserializer: D) -> Result<Self, D::Error>
-    where
-        C: Representation,
-        D: serde::Deserializer<'de>,
-    {
-        let index = u8::deserialize(deserializer)?;
-        if usize::from(index) < C::MAX_ACTIONS {
-            return Ok(Self(index));
-        }
-        Err(serde::de::Error::custom(format!(
-            "action {index} is out of range 0 to {}",
-            C::MAX_ACTIONS - 1
-        )))
-    }
-
-    /// Returns the number of this action, counted from 0.
-    #[inline]
-    pub fn index(self) -> usize {
-        usize::from(self.0)
-    }
-}
-
-impl<'de> Deserialize<'de> for Action {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Self::read::<Condition, D>(deserializer)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -267,15 +197,5 @@ mod tests {
     #[test]
     fn other_characters_are_refused() {
         assert!("01#1".parse::<Percept>().is_err());
-    }
-
-    #[test]
-    fn an_action_beyond_the_last_does_not_exist() {
-        let read = |index: usize| serde_json::from_str::<Action>(&index.to_string());
-        let last = Action::new(MAX_ACTIONS - 1);
-        assert_eq!(read(MAX_ACTIONS - 1).ok(), last);
-        assert_eq!(Action::all(MAX_ACTIONS + 1).last(), last);
-        assert!(Action::new(MAX_ACTIONS).is_none());
-        assert!(read(MAX_ACTIONS).is_err());
     }
 }
