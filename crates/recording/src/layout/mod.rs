@@ -1,67 +1,79 @@
-//! Layouts for Foxglove and Lichtblick, fitted to a maze.
+//! Layouts for Foxglove and Lichtblick: the JSON files of this folder, fitted to a maze.
+//!
+//! `episode.json` is the layout for the files of single episodes, and `run.json` that for `run.mcap`. A layout that is
+//! exported from a viewer can replace them. Cameras and the curves of actions depend on the maze, and are set here.
 
-mod episode;
-mod panels;
-mod run;
-
-pub use episode::of_episode;
-pub use run::of_run;
-
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::topics::{caption, policy, size_m};
-use panels::{Panel, curve, titled, values};
 use xcscr_robot::world::Maze;
+
+const EPISODE: &str = include_str!("episode.json");
+const RUN: &str = include_str!("run.json");
 
 /// The distance of the camera that follows the robot, in cells.
 const FOLLOW: f64 = 9.0;
 /// The factor by which the first camera is moved away if there is a second one.
 const BESIDE: f64 = 1.25;
-
-const BLUE: &str = "#1f77e0";
-const RED: &str = "#e0473f";
-const GREY: &str = "#b7bdc9";
 /// The colours of the values of the actions.
 const ACTIONS: [&str; 8] = [
     "#4e98e2", "#f5774d", "#5cd6a9", "#a395e2", "#f7df71", "#61cbff", "#cad660", "#8a8f99",
 ];
-/// The colours of lights: nothing yet, under way, good, not so good, bad.
-const NONE: &str = "#8a93a6";
-const UNDER_WAY: &str = "#4e98e2";
-const GOOD: &str = "#3ecf8e";
-const FAIR: &str = "#f7df71";
-const BAD: &str = "#f5774d";
-const ENDINGS: [[&str; 3]; 2] = [
-    ["step-limit", "step limit", BAD],
-    ["goal", "goal reached", GOOD],
-];
-const OPTIMAL: [[&str; 3]; 2] = [["false", "not optimal", FAIR], ["true", "optimal", GOOD]];
 
-/// Returns a layout of panels in this arrangement, with the speed of the playback.
-fn layout(panels: Vec<Panel>, arrangement: &Value, speed: u32) -> String {
-    let panels = panels.into_iter().map(|(id, state)| (id.to_owned(), state));
-    let layout = json!({
-        "configById": panels.collect::<Map<_, _>>(),
-        "globalVariables": {},
-        "userNodes": {},
-        "playbackConfig": { "speed": speed },
-        "layout": arrangement,
-    });
+/// Returns the layout for the files of single episodes, as compact JSON. In a large maze, a second view
+/// follows the robot.
+pub fn of_episode(maze: &Maze) -> String {
+    let mut layout = fitted(EPISODE, "/rule.values", maze);
+    if policy::is_large(maze) {
+        let panels = &mut layout["configById"];
+        panels["3D!follow"] = following(&mut panels["3D!main"], maze);
+        layout["layout"]["first"]["first"] = json!({
+            "direction": "row", "splitPercentage": 58, "first": "3D!main", "second": "3D!follow"
+        });
+    }
     layout.to_string()
 }
 
-/// Aims the camera of a 3D panel at the maze, and shows what is visible from there.
-fn fit(panel: &mut Value, maze: &Maze) {
-    aim(&mut panel["cameraState"], maze);
+/// Returns the layout for `run.mcap`, as compact JSON.
+pub fn of_run(maze: &Maze) -> String {
+    fitted(RUN, "/episode.start_values", maze).to_string()
+}
+
+/// Returns a layout whose main view shows the whole maze, with a curve for each of these values of the actions.
+fn fitted(layout: &str, values: &str, maze: &Maze) -> Value {
+    let mut layout: Value = serde_json::from_str(layout).expect("the layouts are JSON");
+    let panels = &mut layout["configById"];
+    let main = &mut panels["3D!main"];
+    aim(&mut main["cameraState"], maze);
     if policy::is_large(maze) {
-        panel["topics"]["/values"] = values("nearness", ["#e6ac0073", "#45106b73"]);
+        let shown = &mut main["topics"]["/values"];
+        shown["colorField"] = json!("nearness");
+        shown["gradient"] = json!(["#e6ac0073", "#45106b73"]);
     }
+    if let Some(paths) = panels["Plot!values"]["paths"].as_array_mut() {
+        let directions = maze.moves().directions().iter();
+        let actions = directions.zip(ACTIONS).enumerate();
+        paths.extend(actions.map(|(action, (direction, color))| {
+            json!({
+                "value": format!("{values}[{action}]"),
+                "label": direction.name(),
+                "color": color,
+                "enabled": true,
+                "lineSize": 1.5,
+                "timestampMethod": "receiveTime",
+            })
+        }));
+    }
+    layout
 }
 
 /// Returns a panel with a camera that follows the robot, and moves the camera of the other panel away:
 /// there is less room next to a second one.
 fn following(main: &mut Value, maze: &Maze) -> Value {
-    let mut panel = titled("Around the robot", main.clone());
+    let mut panel = main.clone();
+    for title in ["foxglovePanelTitle", "lichtblickPanelTitle"] {
+        panel[title] = json!("Around the robot");
+    }
     panel["followTf"] = json!("base_link_true");
     panel["followMode"] = json!("follow-position");
     panel["cameraState"]["distance"] = json!(FOLLOW * maze.cell_size_m());
@@ -92,18 +104,4 @@ fn aim(camera: &mut Value, maze: &Maze) {
     camera["targetOffset"] = json!([wide / 2.0, (middle * 1000.0).round() / 1000.0, 0.0]);
     camera["near"] = json!(0.02 * unit);
     camera["far"] = json!((20.0 * distance).ceil());
-}
-
-/// Adds a curve for the value of each action to a plot.
-fn with_actions((id, mut plot): Panel, values: &str, maze: &Maze) -> Panel {
-    let actions = maze.moves().directions().iter().zip(ACTIONS).enumerate();
-    let curves = actions.map(|(action, (direction, color))| {
-        curve(&format!("{values}[{action}]"), direction.name(), color)
-    });
-    plot["paths"]
-        .as_array_mut()
-        .into_iter()
-        .for_each(|paths| paths.extend(curves.clone()));
-    plot["showLegend"] = json!(true);
-    (id, plot)
 }
