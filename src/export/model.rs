@@ -91,10 +91,8 @@ pub(super) struct Source<'a> {
     open: Option<Vec<Vec<u8>>>,
     clear_radius_m: Option<f64>,
     robot: Option<Robot>,
-    assumed_ranges_m: [f64; 2],
-    /// True if a scan shows the percept.
-    shows_scan: bool,
-    scan_reach: usize,
+    /// True if the percept shows walls and no goals.
+    shows_walls: bool,
 }
 
 /// Column and row of the start and of each goal.
@@ -119,9 +117,6 @@ struct PerceptBits {
     row_bits: usize,
 }
 
-/// The cells that a scan covers in each direction: those next to the robot, after a move by one cell and a jump of the
-/// estimate by another.
-const SCAN_REACH: usize = 3;
 /// Up to here, a float of 32 bits is exact to 4 mm.
 const MOST_IN_32_BITS_M: f64 = 65_536.0;
 
@@ -161,9 +156,7 @@ impl<'a> Source<'a> {
             open: open_moves(&provenance.maze),
             clear_radius_m: provenance.maze.clear_radius_m(),
             robot: provenance.robot,
-            assumed_ranges_m: provenance.assumed_ranges_m,
-            shows_scan: provenance.sensor.is_sensed(),
-            scan_reach: SCAN_REACH,
+            shows_walls: provenance.sensor.is_sensed(),
         }
     }
 }

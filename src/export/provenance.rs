@@ -17,9 +17,6 @@ pub struct Provenance {
     pub(super) sensor: Sensor,
     /// The robot's dimensions; `None` on the grid.
     pub(super) robot: Option<Robot>,
-    /// Assumed ranges of two kinds of lidar beams in metres: beams that hit something too near to
-    /// be measured, and beams that do not come back.
-    pub(super) assumed_ranges_m: [f64; 2],
     /// The facts about the run.
     pub(super) facts: Facts,
 }
@@ -75,10 +72,6 @@ impl Provenance {
                 max_speed_mps: robot.max_speed_mps,
                 max_turn_radps: robot.max_turn_radps,
             }),
-            assumed_ranges_m: {
-                let lidar = &config.settings.physics.lidar;
-                [lidar.nearest_m, lidar.lost_beam_range_m(maze.cell_size_m())]
-            },
             facts,
         }
     }

@@ -20,7 +20,7 @@ macro_rules! files {
 }
 
 /// The source files that templates include.
-const FILES: [(&str, &str); 27] = files![
+const FILES: [(&str, &str); 22] = files![
     "percept.h",
     "masks.h",
     "ranges.h",
@@ -30,12 +30,9 @@ const FILES: [(&str, &str); 27] = files![
     "look_up.h",
     "bits.h",
     "from_map.h",
-    "layers.h",
-    "layers_ring.h",
-    "layers_percept.h",
+    "open.h",
     "neighbours.h",
     "lidar.h",
-    "scan.h",
     "percept.py",
     "masks.py",
     "ranges.py",
@@ -43,11 +40,9 @@ const FILES: [(&str, &str); 27] = files![
     "grid.py",
     "bits.py",
     "from_map.py",
-    "layers.py",
-    "layers_ring.py",
+    "open.py",
     "neighbours.py",
     "lidar.py",
-    "scan.py",
 ];
 
 /// Renders a template with a model.

@@ -4,12 +4,9 @@
  *     c X Y                   the cell of a point
  *     p COLUMN ROW            the middle of a cell
  *     m COLUMN ROW            the percept in a cell of the map in the first argument, in a maze
+ *     w COLUMN ROW WALLS      the percept in a cell of a robot that sees these walls
  *     x X Y                   the percept of a point in a world from a map
- *     b X Y COSINE SINE       begins a scan at a pose
- *     v X Y COSINE SINE       moves the robot
- *     a COSINE SINE RANGE     adds a beam; the range is infinite if nothing came back
- *     q                       the percept after the scan
- *     o                       the open actions after the scan as bits, in a world from a map
+ *     o COLUMN ROW WALLS      the open actions as bits, in a world from a map
  */
 #include "policy.h"
 #include <inttypes.h>
@@ -58,9 +55,6 @@ int main(int count, char **arguments)
     uint16_t row;
     double x;
     double y;
-#if defined(XCSCR_SCAN_REACH) || defined(IS_FROM_MAP)
-    static struct xcscr_scan scan;
-#endif
     int word;
     if (count != 2 || !arguments[1]) {
         return 1;
@@ -80,14 +74,14 @@ int main(int count, char **arguments)
             break;
 #if defined(IS_FROM_MAP)
         case 'x':
-            if (xcscr_percept(real(n[0]), real(n[1]), 0, percept)) {
+            if (xcscr_percept(real(n[0]), real(n[1]), percept)) {
                 show(percept);
             } else {
                 puts("outside");
             }
             break;
         case 'o':
-            printf("%u\n", (unsigned)xcscr_open_actions(&scan));
+            printf("%u\n", (unsigned)xcscr_open_actions((uint8_t)n[2], (uint16_t)n[0], (uint16_t)n[1]));
             break;
 #else
         case 'm':
@@ -95,18 +89,9 @@ int main(int count, char **arguments)
             show(percept);
             break;
 #endif
-#if defined(XCSCR_SCAN_REACH) || defined(IS_FROM_MAP)
-        case 'b':
-            xcscr_scan_begin(&scan, real(n[0]), real(n[1]), real(n[2]), real(n[3]));
-            break;
-        case 'v':
-            xcscr_scan_move(&scan, real(n[0]), real(n[1]), real(n[2]), real(n[3]));
-            break;
-        case 'a':
-            xcscr_scan_add(&scan, real(n[0]), real(n[1]), real(n[2]));
-            break;
-        case 'q':
-            xcscr_scan_percept(&scan, percept);
+#if defined(IS_FROM_MAP) || !XCSCR_SHOWS_GOALS
+        case 'w':
+            xcscr_percept_from_walls((uint8_t)n[2], (uint16_t)n[0], (uint16_t)n[1], percept);
             show(percept);
             break;
 #endif

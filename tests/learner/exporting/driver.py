@@ -1,6 +1,5 @@
-"""Answers the questions of `driver.c`, and one more: `w X Y HEADING RANGES...`, the percept from a whole scan."""
+"""Answers the questions of `driver.c`."""
 
-import math
 import struct
 import sys
 
@@ -8,7 +7,6 @@ import policy
 
 cells = sys.argv[1]
 states = {"#": policy.WALL, "G": policy.GOAL}
-scan = None
 
 
 def look_up(column, row):
@@ -26,7 +24,7 @@ def real(number):
 for line in sys.stdin:
     command, *numbers = line.split()
     n = [int(number, 16) for number in numbers]
-    x, y, cosine, sine, *ranges = map(real, n)
+    x, y = map(real, n[:2])
     if command == "c":
         cell = policy.cell_from_pose(x, y)
         print("outside" if cell is None else "{} {}".format(*cell))
@@ -35,24 +33,15 @@ for line in sys.stdin:
         print(*("{:016x}".format(*struct.unpack("<Q", struct.pack("<d", at))) for at in middle))
     elif command == "m":
         show(policy.percept_from_map(n[0], n[1], look_up))
-    elif command == "b":
-        scan = policy.Scan(x, y, cosine, sine)
-    elif command == "v":
-        scan.move(x, y, cosine, sine)
-    elif command == "a":
-        scan.add(x, y, cosine)
-    elif command == "q":
-        show(scan.percept())
+    elif command == "w":
+        show(policy.percept_from_walls(n[2], n[0], n[1]))
     elif command == "o":
-        print(sum(1 << at for at in scan.open_actions()))
+        print(sum(1 << at for at in policy.open_actions(n[2], n[0], n[1])))
     elif command == "x":
         try:
             show(policy.percept(x, y))
         except ValueError:
             print("outside")
-    elif command == "w":
-        ranges = [sine, *ranges]
-        show(policy.percept_from_scan(x, y, cosine, ranges, 0.0, 2.0 * math.pi / len(ranges)))
     else:
         action = policy.decide("".join(str(n[0] >> at & 1) for at in range(len(policy.BITS))))
         print(-1 if action is None else action)

@@ -11,7 +11,7 @@ use xcscr::arena::ArenaKind;
 use xcscr::export::{Policy, Provenance, Target};
 use xcscr::sensor::Sensor;
 use xcscr::trial::Plan;
-use xcscr::world::{Cell, Maze};
+use xcscr::world::{Cell, Direction, Maze};
 use xcscr::xcs::random::Stream;
 
 use super::program::{LANGUAGES, Program, Questions, compile_c, fed};
@@ -200,6 +200,37 @@ fn the_percept_from_a_map_is_that_of_every_sensor_in_every_free_cell() {
 }
 
 #[test]
+fn the_percept_from_the_walls_around_is_that_of_a_lidar_in_every_free_cell() {
+    let maze = maze("maze6");
+    let walls = |cell: Cell| {
+        let seen = (0..).zip(Direction::CLOCKWISE).map(|(at, direction)| {
+            let (east, south) = direction.offset();
+            let there = Cell {
+                col: (i32::from(cell.col) + east) as u16,
+                row: (i32::from(cell.row) + south) as u16,
+            };
+            u64::from(maze.is_wall(there)) << at
+        });
+        seen.sum::<u64>()
+    };
+    let mut questions = Questions::default();
+    for cell in maze.free_cells() {
+        let place = [cell.col, cell.row].map(u64::from);
+        questions.ask('w', &[place[0], place[1], walls(cell)]);
+    }
+    for sensor in [Sensor::Lidar, Sensor::LidarPosition] {
+        for target in LANGUAGES {
+            let policy = exported(target, &maze, sensor, ArenaKind::Grid);
+            let answers = Program::new(target, &policy).answers(&questions);
+            for (cell, answer) in maze.free_cells().zip(answers) {
+                let wanted = sensor.perceive_at(&maze, cell).to_string();
+                assert_eq!(answer[..wanted.len()], wanted, "{target:?} {cell:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn control_the_percept_of_another_sensor_or_a_map_without_joined_edges_differs() {
     let c_differs = |policy: &str, maze: &Maze, sensor| {
         let cells = differing(Target::C99, policy, maze, sensor);
@@ -240,7 +271,7 @@ fn the_figures_of_the_robot_are_there_in_physics_and_left_out_on_the_grid() {
 }
 
 #[test]
-fn a_program_that_only_decides_holds_nothing_of_cells_poses_and_scans() {
+fn a_program_that_only_decides_holds_nothing_of_cells_poses_and_percepts() {
     let folder = tempfile::tempdir().unwrap();
     let maze = placed(ORIGINS[2]);
     let policy = exported(Target::C99, &maze, Sensor::Lidar, ArenaKind::Physics);
@@ -257,7 +288,7 @@ fn a_program_that_only_decides_holds_nothing_of_cells_poses_and_scans() {
             "floor",
             "cell_from_pose",
             "percept_from_map",
-            "scan",
+            "percept_from_walls",
         ]
         .map(|name| {
             let name = format!("xcscr_{name}").into_bytes();
@@ -277,11 +308,11 @@ fn the_example_in_the_documentation_compiles_and_goes_from_a_pose_to_an_action()
     let blocks = page.split("```c\n").skip(1);
     let blocks = blocks.map(|rest| rest.split("```").next().unwrap());
     let examples: Vec<&str> = blocks.filter(|block| block.contains("policy.h")).collect();
-    assert_eq!(examples.len(), 2, "one by a map, one by a scan");
+    assert_eq!(examples.len(), 2, "one by a map, one by walls");
     let maze = maze("maze4");
     for (example, call) in examples.into_iter().zip([
         "return action_at(1.5, 1.5) == 0 && action_at(-1.5, 1.5) == XCSCR_NO_ACTION",
-        "const double ranges[360] = {0}; return action_at(1.5, 1.5, 1.0, 0.0, ranges) == 0",
+        "return action_at(1.5, 1.5, 0xff) == 0 && action_at(-1.5, 1.5, 0xff) == XCSCR_NO_ACTION",
     ]) {
         let folder = tempfile::tempdir().unwrap();
         let policy = exported(Target::C99, &maze, Sensor::Lidar, ArenaKind::Physics);

@@ -1,4 +1,4 @@
-//! Exported percepts in a world from a map: the open moves of the map, and obstacles in a scan.
+//! Exported percepts in a world from a map: the open moves of the map, and walls that the robot sees.
 
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
@@ -13,18 +13,16 @@ use super::text;
 use crate::kit::flat::Flat;
 use crate::learner::learned::learned;
 
-/// The questions about a cell: its percept, that of no number, and a scan with something in the east of the robot.
+/// The bit of the east, the third of eight cells.
+const EAST: u64 = 1 << 2;
+
+/// The questions about a cell: its percept, that of no number, and what a robot does that sees something in the east.
 fn ask(questions: &mut Questions, maze: &Maze, cell: Cell) {
     let at = maze.centre_m(cell);
     questions.say('x', &[at.x, at.y]);
     questions.say('x', &[f64::NAN, at.y]);
-    questions.say('b', &[at.x, at.y, 0.0, 1.0]);
-    for beam in -10..=10 {
-        let cosine = f64::from(beam) * 0.01;
-        questions.say('a', &[cosine, -1.0, 0.4 * maze.cell_size_m()]);
-    }
-    questions.ask('q', &[]);
-    questions.ask('o', &[]);
+    questions.ask('w', &[cell.col.into(), cell.row.into(), EAST]);
+    questions.ask('o', &[cell.col.into(), cell.row.into(), EAST]);
 }
 
 fn shown(percept: &Percept) -> String {
@@ -33,7 +31,7 @@ fn shown(percept: &Percept) -> String {
 }
 
 #[test]
-fn exported_percepts_are_those_of_the_map_and_of_obstacles_in_a_scan() {
+fn exported_percepts_are_those_of_the_map_and_of_walls_that_the_robot_sees() {
     let maze = Flat::new().gridded(0.5).maze;
     let mut questions = Questions::default();
     let cells = maze.free_cells();

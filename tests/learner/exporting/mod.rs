@@ -7,8 +7,6 @@ mod layers;
 #[cfg(feature = "long")]
 mod pixels;
 mod program;
-#[cfg(feature = "long")]
-mod scans;
 
 use xcscr::Error;
 use xcscr::agent::{Knowledge, Method};

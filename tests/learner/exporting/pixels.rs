@@ -51,23 +51,11 @@ fn touches([x, y]: [f64; 2], radius_m: f64) -> bool {
         .any(|(east, north)| flat::is_solid(x + east, y + north))
 }
 
-/// Returns the range of a beam; infinite if nothing came back.
-fn range_m([x, y]: [f64; 2], [cosine, sine]: [f64; 2]) -> f64 {
-    let ranges = (0..350).map(|part| f64::from(part) * FINE_M);
-    let mut hits = ranges.filter(|far| flat::is_solid(x + far * cosine, y + far * sine));
-    hits.next().unwrap_or(f64::INFINITY)
-}
-
-/// Returns the action that a program chooses after a scan in all directions; -1 for none.
-fn decided(program: &Program, [x, y]: [f64; 2]) -> i16 {
-    let mut scan = Questions::default();
-    scan.say('b', &[x, y, 1.0, 0.0]);
-    for beam in 0..360 {
-        let (sine, cosine) = f64::from(beam).to_radians().sin_cos();
-        scan.say('a', &[cosine, sine, range_m([x, y], [cosine, sine])]);
-    }
-    scan.ask('q', &[]);
-    let percept: Percept = program.answers(&scan)[0].parse().unwrap();
+/// Returns the action that a program chooses at a point; -1 for none.
+fn decided(program: &Program, at_m: [f64; 2]) -> i16 {
+    let mut place = Questions::default();
+    place.say('x', &at_m);
+    let percept: Percept = program.answers(&place)[0].parse().unwrap();
     let mut decision = Questions::default();
     decision.ask('d', &percept.words()[..1]);
     program.answers(&decision)[0].parse().unwrap()
