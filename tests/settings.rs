@@ -9,7 +9,7 @@ use std::process::Command;
 use xcscr::agent::Method;
 use xcscr::record::Topic;
 use xcscr::sensor::Sensor;
-use xcscr::study::StudyKey;
+use xcscr::study::{StudyKey, report_columns};
 use xcscr::trial::{Resolved, Settings};
 
 /// The page of the documentation, as the declarations have it.
@@ -70,6 +70,19 @@ fn words_of(key: &str, value: &str) -> Option<String> {
     let refusal = refusal.to_string();
     let (_, allowed) = refusal.split_once("but must be ").unwrap();
     Some(allowed.replace("one of ", ""))
+}
+
+/// The table of the columns of a report stands in a page that has more.
+#[test]
+fn the_page_of_results_has_the_columns_of_a_report_as_they_are_described_there() {
+    let path = "docs/src/results.md";
+    let text = fs::read_to_string(path).unwrap();
+    let head = "| metric | meaning |\n|---|---|\n";
+    let (before, rest) = text.split_once(head).unwrap();
+    let (_, after) = rest.split_once("\n\n").unwrap();
+    let rows = report_columns().map(|(names, about)| format!("| {names} | {about} |"));
+    let table = rows.collect::<Vec<_>>().join("\n");
+    require(&format!("{before}{head}{table}\n\n{after}"), path);
 }
 
 #[test]

@@ -97,10 +97,7 @@ pub fn run_study(
     fault.check()?;
     let folder = ran.map_err(invalid)?;
     refuse_failed(&folder)?;
-    let written = py.detach(|| {
-        folder.write_tables()?;
-        Report::new(&folder).write(&folder)
-    });
+    let written = py.detach(|| Report::new(&folder).write());
     written.map_err(invalid)?;
     Ok(Study {
         agents: added,

@@ -117,7 +117,7 @@ def test_a_refused_reset_leaves_the_episodes_of_a_vector_as_they_are(tmp_path):
         env.reset(seed=1)
         env.step(np.array([1, 1]))
         if name == "refused":
-            with pytest.raises(ValueError, match="start"):
+            with pytest.raises(ValueError, match="free cell"):
                 env.reset(options={"start": (0, 0)})
         env.step(np.array([1, 2]))
         env.close()

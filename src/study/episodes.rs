@@ -90,7 +90,8 @@ impl StudyFolder {
         self.require_complete()?;
         let protocol = self.protocol();
         self.agents.require_for(protocol)?;
-        Report::new(self).write(self)?;
+        let mut report = Report::new(self);
+        report.write_report()?;
         let curves = self.write_episode_table(jobs, stop)?;
         // The report has no learning curves yet. An interrupted command can be repeated without it.
         self.remove_reports()?;
@@ -102,7 +103,7 @@ impl StudyFolder {
             }
             table.flush()
         })?;
-        Report::new(self).write(self)
+        report.write_report()
     }
 
     /// Writes the table of episodes, and returns the sums of the learning curve of each arm.

@@ -24,7 +24,7 @@ mod store;
 
 pub use custom::Agents;
 pub use protocol::{Arm, Protocol, StudyFile, StudyKey, Variant};
-pub use report::Report;
+pub use report::{Report, report_columns};
 pub use robustness::{ConditionResult, LeftOut, Robustness};
 pub use runner::StudyWatcher;
 pub use store::{Figures, StudyFolder, TrialRecord};

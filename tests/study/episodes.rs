@@ -100,7 +100,8 @@ fn learning_curves_are_the_means_of_the_table_of_episodes_and_stand_in_the_repor
         let steps: Vec<f64> = steps.collect();
         let mean = steps.iter().sum::<f64>() / steps.len() as f64;
         let squares: f64 = steps.iter().map(|step| (step - mean).powi(2)).sum();
-        let margin = 1.959_964 * (squares / 3.0 / 4.0).sqrt();
+        // Student's quantile for four trials.
+        let margin = 3.182_446_305_284 * (squares / 3.0 / 4.0).sqrt();
         assert_eq!((steps.len(), point["trials"].as_str()), (4, "4"));
         for (key, expected) in [
             ("steps", mean),
@@ -166,7 +167,10 @@ fn each_value_of_a_sweep_is_tested_against_the_first_where_nothing_else_differs(
         }
     }
     assert_eq!(found, expected, "{report}");
-    assert!(report.contains("4 trials of each detect"), "{report}");
+    assert!(
+        report.contains("The tests of 4 pairs, corrected for 7 comparisons,"),
+        "{report}"
+    );
 }
 
 #[test]

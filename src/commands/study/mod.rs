@@ -199,16 +199,15 @@ fn report(path: &Path, force: bool, is_json: bool, out: &mut Results) -> Result<
 
 /// Writes the tables and the report of a complete study, and prints the result.
 fn finish(folder: &StudyFolder, is_json: bool, out: &mut Results) -> Result<(), Failure> {
-    folder.write_tables()?;
     let mut report = Report::new(folder);
-    report.write(folder)?;
+    report.write()?;
     print_report(&report, is_json, Some(folder), out)?;
     refuse_failed(folder)
 }
 
 /// Prints a report, and its address if it was written.
 fn print_report(
-    report: &Report,
+    report: &Report<'_>,
     is_json: bool,
     written: Option<&StudyFolder>,
     out: &mut Results,

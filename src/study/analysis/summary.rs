@@ -292,14 +292,8 @@ pub struct ArmSummary {
 }
 
 impl ArmSummary {
-    /// Returns the summary of each arm of a study.
-    pub fn all(folder: &StudyFolder) -> Vec<Self> {
-        let seed = folder.protocol().seed;
-        let arms = ArmRecords::all(folder);
-        arms.iter().map(|arm| Self::new(arm, seed)).collect()
-    }
-
-    fn new(records: &ArmRecords<'_>, seed: u64) -> Self {
+    /// Summarises the finished trials of an arm. `seed` is that of the study.
+    pub fn new(records: &ArmRecords<'_>, seed: u64) -> Self {
         let arm = records.arm;
         let successes = records.successes();
         let wilson = successes.wilson().rounded();

@@ -1,11 +1,9 @@
-//! `trials.csv` and `summary.json`, for other programs.
+//! `trials.csv`, for other programs.
 
-use serde::Serialize;
+use std::io;
+
 use serde_json::Value;
 
-use super::summary::ArmSummary;
-use crate::Error;
-use crate::disk;
 use crate::study::protocol::{Arm, Protocol};
 use crate::study::statistics::rounded;
 use crate::study::store::StudyFolder;
@@ -101,55 +99,22 @@ fn plain(message: &str) -> String {
         .collect()
 }
 
-/// The contents of `summary.json`.
-#[derive(Debug, Serialize)]
-struct Summary<'a> {
-    study: &'a str,
-    plan: String,
-    version: &'a str,
-    seed: u64,
-    episodes: u32,
-    arms: Vec<ArmSummary>,
-}
-
-impl StudyFolder {
-    /// Returns the summary as a JSON document.
-    pub fn summary_json(&self) -> String {
-        let protocol = self.protocol();
-        let summary = Summary {
-            study: &protocol.name,
-            plan: self.plan().to_owned(),
-            version: &protocol.version,
-            seed: protocol.seed,
-            episodes: protocol.episodes,
-            arms: ArmSummary::all(self),
+/// Writes a row for each finished trial of a study.
+pub fn write_trials(folder: &StudyFolder, file: &mut dyn io::Write) -> io::Result<()> {
+    let protocol = folder.protocol();
+    let mut table = csv::Writer::from_writer(file);
+    let names = COLUMNS.map(|(name, _)| name);
+    table.write_record(names).map_err(io_error)?;
+    for record in folder.records() {
+        let row = Row {
+            protocol,
+            arm: protocol.arm(record.trial),
+            record,
         };
-        disk::json(&summary)
+        let cells = COLUMNS.map(|(_, cell)| cell(&row));
+        table.serialize(cells.as_slice()).map_err(io_error)?;
     }
-
-    /// Writes `trials.csv` and `summary.json`.
-    ///
-    /// # Errors
-    /// An error of the file system.
-    pub fn write_tables(&self) -> Result<(), Error> {
-        let protocol = self.protocol();
-        self.write_with("trials.csv", |file| {
-            let mut table = csv::Writer::from_writer(file);
-            let names = COLUMNS.map(|(name, _)| name);
-            table.write_record(names).map_err(io_error)?;
-            for record in self.records() {
-                let row = Row {
-                    protocol,
-                    arm: protocol.arm(record.trial),
-                    record,
-                };
-                let cells = COLUMNS.map(|(_, cell)| cell(&row));
-                table.serialize(cells.as_slice()).map_err(io_error)?;
-            }
-            table.flush()
-        })?;
-        self.write("summary.json", self.summary_json().as_bytes())
-    }
+    table.flush()
 }
 
 #[cfg(test)]

@@ -6,25 +6,29 @@ mod figures;
 mod results;
 mod settings;
 
+use std::io;
+
 use serde::Serialize;
 
 use comparisons::Comparison;
+pub use results::columns as report_columns;
 
 use crate::page::{self, Block, Picture};
 
 use super::analysis::summary::{ArmRecords, ArmSummary};
+use super::analysis::tables;
 use super::protocol::Protocol;
 use super::report::figures::draw_figures;
 use super::store::StudyFolder;
 use crate::Error;
 
-/// The report of a study. As JSON, it contains all figures: the results per arm, and the
-/// comparisons of methods.
+/// The analysis of a study, made once, as tables for other programs and as a report. As JSON, it contains all figures:
+/// the results per arm, and the comparisons of methods.
 #[derive(Debug, Clone, Serialize)]
-pub struct Report {
-    study: String,
-    plan: String,
-    version: String,
+pub struct Report<'a> {
+    study: &'a str,
+    plan: &'a str,
+    version: &'a str,
     seed: u64,
     trials: usize,
     episodes: u32,
@@ -36,49 +40,83 @@ pub struct Report {
     /// The comparisons of methods.
     comparisons: Vec<Comparison>,
     #[serde(skip)]
-    protocol: Protocol,
+    folder: &'a StudyFolder,
+    #[serde(skip)]
+    records: Vec<ArmRecords<'a>>,
     #[serde(skip)]
     pictures: Vec<Picture>,
+}
+
+/// The contents of `summary.json`.
+#[derive(Debug, Serialize)]
+struct Summary<'a> {
+    study: &'a str,
+    plan: &'a str,
+    version: &'a str,
+    seed: u64,
+    episodes: u32,
+    arms: &'a [ArmSummary],
 }
 
 fn is_zero(missing: &usize) -> bool {
     *missing == 0
 }
 
-impl Report {
-    /// Creates the report of the finished trials of a study. An incomplete study has the table
+impl<'a> Report<'a> {
+    /// Analyses the finished trials of a study. The report of an incomplete study has the table
     /// only: tests that are repeated until they are significant have too many false positives.
-    pub fn new(folder: &StudyFolder) -> Self {
-        let missing = folder.missing().len();
-        let mut tested = ArmRecords::all(folder);
-        if missing > 0 {
-            tested.clear();
-        }
-        tested.retain(|arm| !arm.needs_memory);
+    pub fn new(folder: &'a StudyFolder) -> Self {
         let protocol = folder.protocol();
+        let missing = folder.missing().len();
+        let records = ArmRecords::all(folder);
+        let summary = |records| ArmSummary::new(records, protocol.seed);
+        let is_tested = |arm: &&ArmRecords<'_>| missing == 0 && !arm.needs_memory;
+        let tested: Vec<_> = records.iter().filter(is_tested).cloned().collect();
         Self {
-            study: protocol.name.clone(),
-            plan: folder.plan().to_owned(),
-            version: protocol.version.clone(),
+            study: &protocol.name,
+            plan: folder.plan(),
+            version: &protocol.version,
             seed: protocol.seed,
             trials: protocol.trials,
             episodes: protocol.episodes,
             missing,
-            arms: ArmSummary::all(folder),
+            arms: records.iter().map(summary).collect(),
             comparisons: Comparison::all(&tested, protocol.reference_method()),
-            protocol: protocol.clone(),
+            folder,
+            records,
             pictures: Vec::new(),
         }
     }
 
-    /// Draws the figures and writes `report.md` and `report.html` into the folder of the study.
+    fn protocol(&self) -> &'a Protocol {
+        self.folder.protocol()
+    }
+
+    /// Writes `trials.csv`, `summary.json` and the report into the folder of the study.
     ///
     /// # Errors
     /// When a figure cannot be drawn, or a file cannot be written.
-    pub fn write(&mut self, folder: &StudyFolder) -> Result<(), Error> {
-        self.pictures = draw_figures(folder)?;
-        folder.write("report.md", self.markdown().as_bytes())?;
-        folder.write("report.html", self.html().as_bytes())
+    pub fn write(&mut self) -> Result<(), Error> {
+        let trials = |file: &mut dyn io::Write| tables::write_trials(self.folder, file);
+        self.folder.write_with("trials.csv", trials)?;
+        let summary = Summary {
+            study: self.study,
+            plan: self.plan,
+            version: self.version,
+            seed: self.seed,
+            episodes: self.episodes,
+            arms: &self.arms,
+        };
+        let summary = crate::disk::json(&summary);
+        self.folder.write("summary.json", summary.as_bytes())?;
+        self.write_report()
+    }
+
+    /// Draws the figures, and writes `report.md` and `report.html`.
+    pub(in crate::study) fn write_report(&mut self) -> Result<(), Error> {
+        self.pictures = draw_figures(self.folder, &self.records)?;
+        self.folder.write("report.md", self.markdown().as_bytes())?;
+        self.folder.write("report.html", self.html().as_bytes())
     }
 
     /// Formats the report for a terminal.
@@ -103,7 +141,7 @@ impl Report {
 
     /// Returns the sections of the report, in order.
     fn blocks(&self) -> Vec<Block> {
-        let arms = &self.protocol.arms;
+        let arms = &self.protocol().arms;
         let results = results::table(arms, &self.arms);
         let legend = results::legend(&results);
         let mut blocks = vec![
@@ -137,7 +175,7 @@ impl Report {
             missing,
             ..
         } = self;
-        let settings = settings::sentences(&self.protocol);
+        let settings = settings::sentences(self.protocol());
         let so_far = match missing {
             0 => String::new(),
             _ => format!(
@@ -157,7 +195,7 @@ impl Report {
         if self.comparisons.is_empty() {
             return Vec::new();
         }
-        let letters = results::letters(&self.protocol.arms);
+        let letters = results::letters(&self.protocol().arms);
         vec![
             Block::Subheading("Pairwise comparisons".to_owned()),
             Block::Table(comparisons::table(&self.comparisons, &letters)),
@@ -170,7 +208,7 @@ impl Report {
     fn limits(&self) -> Vec<String> {
         let mut limits = vec![results::limits(&self.arms, self.episodes)];
         limits.extend(conclusions::undecided(&self.comparisons));
-        limits.extend(comparisons::of_searches(&self.protocol.arms));
+        limits.extend(comparisons::of_searches(&self.protocol().arms));
         limits.extend(conclusions::power(self.trials, &self.comparisons));
         limits
     }

@@ -8,18 +8,206 @@ use crate::page::Table;
 use crate::study::analysis::summary::ArmSummary;
 use crate::study::protocol::{Arm, Variant};
 
-/// A description in each line, after the name of one or more columns.
-const LEGEND: &str = include_str!("legend.txt");
+/// The row of an arm.
+struct Row<'a> {
+    arm: &'a Arm,
+    letters: &'a [(String, String)],
+    summary: &'a ArmSummary,
+}
+
+/// When a column is shown.
+enum Shown {
+    Always,
+    /// If two rows differ in it.
+    IfVaried,
+    /// If a row has what it shows.
+    If(fn(&ArmSummary) -> bool),
+}
+
+/// A column of the table of results.
+struct Column {
+    name: &'static str,
+    /// The columns that are described with this one, and their description.
+    about: Option<(&'static str, &'static str)>,
+    shown: Shown,
+    cell: fn(&Row<'_>) -> String,
+}
+
+impl Column {
+    /// Returns a column that is always shown and says by its name what it is.
+    const fn new(name: &'static str, cell: fn(&Row<'_>) -> String) -> Self {
+        Self {
+            name,
+            about: None,
+            shown: Shown::Always,
+            cell,
+        }
+    }
+
+    const fn about(self, names: &'static str, about: &'static str) -> Self {
+        Self {
+            about: Some((names, about)),
+            ..self
+        }
+    }
+
+    const fn shown(self, shown: Shown) -> Self {
+        Self { shown, ..self }
+    }
+}
+
+const HAS_MEMORY: Shown = Shown::If(|one| one.needs_memory);
+const HAS_ERRED: Shown =
+    Shown::If(|one| one.observation_error_share.is_some() || one.mislocalised_share.is_some());
+const HAS_DRIVEN: Shown = Shown::If(|one| one.driven_goals.is_some());
+
+/// The columns of the table of results, with their description in the report and in the reference.
+static COLUMNS: [Column; 26] = [
+    Column::new("world", |row| row.summary.world.clone()),
+    Column::new("method", |row| row.summary.method.clone()),
+    Column::new("arena", |row| row.summary.arena.to_owned()).shown(Shown::IfVaried),
+    Column::new("sensor", |row| row.summary.sensor.to_owned()).shown(Shown::IfVaried),
+    Column::new("variant", |row| variant(&row.arm.variant, row.letters)).shown(Shown::IfVaried),
+    Column::new("memory", |row| {
+        let word = if row.summary.needs_memory { "needed" } else { "–" };
+        word.to_owned()
+    })
+    .shown(HAS_MEMORY)
+    .about(
+        "memory",
+        "needed where no policy without memory is optimal, because cells share a percept.",
+    ),
+    Column::new("solved", |row| row.summary.successes.to_string()).about(
+        "solved",
+        "trials whose greedy policy became globally optimal, with Wilson's interval.",
+    ),
+    Column::new("of", |row| row.summary.trials.to_string()),
+    Column::new("95 % interval", |row| {
+        let limits = Some((row.summary.wilson_low, row.summary.wilson_high));
+        percents(limits.filter(|_| row.summary.trials > 0))
+    }),
+    Column::new("retained", |row| row.summary.retained.to_string()).about(
+        "retained",
+        "trials whose policy is optimal after the last episode.",
+    ),
+    Column::new("stays optimal", |row| {
+        percent(row.summary.mean_optimal_share_after_first)
+    })
+    .about(
+        "stays optimal",
+        "the mean share of episodes with an optimal policy, after the first one.",
+    ),
+    Column::new("median", |row| shown(row.summary.median_episode)).about(
+        "median, p95",
+        "the episode by which half, or 95 %, of all trials were optimal (– when they never were).",
+    ),
+    Column::new("p95", |row| shown(row.summary.p95_episode)),
+    Column::new("steps (IQM)", |row| whole(row.summary.iqm_env_steps)).about(
+        "steps",
+        "environment steps until a trial is solved, interquartile mean with bootstrap interval; unsolved trials count \
+         with all their steps.",
+    ),
+    Column::new("steps: 95 %", |row| {
+        let (low, high) = (row.summary.iqm_env_steps_low, row.summary.iqm_env_steps_high);
+        shown(low.zip(high).map(|(low, high)| format!("{low:.0}–{high:.0}")))
+    }),
+    Column::new("score", |row| {
+        shown(row.summary.mean_greedy_score.map(|mean| format!("{mean:.2}")))
+    })
+    .about(
+        "score",
+        "of the final greedy policy, the mean share of starts from which it reaches a goal, times the optimum as a \
+         share of its steps there.",
+    ),
+    Column::new("driven", |row| percent(row.summary.driven_goals))
+        .shown(HAS_DRIVEN)
+        .about(
+            "driven",
+            "after training, the greedy policy drives the trial's robot; the share of these drives that reach a goal, \
+             and the 95 % interval of the share of trials whose drives all do.",
+        ),
+    Column::new("driven: 95 %", |row| {
+        percents(row.summary.driven_always_low.zip(row.summary.driven_always_high))
+    })
+    .shown(HAS_DRIVEN),
+    Column::new("shortest", |row| percent(row.summary.driven_optimal))
+        .shown(HAS_DRIVEN)
+        .about(
+            "shortest",
+            "drives along a shortest path (where moves slip: drives with best actions only).",
+        ),
+    Column::new("driven steps", |row| {
+        shown(row.summary.driven_steps.map(|steps| format!("{steps:.1}")))
+    })
+    .shown(HAS_DRIVEN)
+    .about("driven steps", "their mean steps."),
+    Column::new("obs. errors", |row| per_mille(row.summary.observation_error_share))
+        .shown(HAS_ERRED)
+        .about(
+            "obs. errors",
+            "the share of steps whose percept differs from that of perfect sensors.",
+        ),
+    Column::new("mislocalised", |row| per_mille(row.summary.mislocalised_share))
+        .shown(HAS_ERRED)
+        .about(
+            "mislocalised",
+            "the share of steps after which the robot is in another cell than its estimate.",
+        ),
+    Column::new("collisions", |row| whole(row.summary.mean_collisions))
+        .about("collisions", "mean of a trial."),
+    Column::new("rules", |row| whole(row.summary.mean_rules)).about("rules", "mean of a trial."),
+    Column::new("compacted", |row| {
+        let counts = row.summary.median_compacted_rules;
+        let counts = counts.zip(row.summary.most_compacted_rules);
+        shown(counts.map(|(median, most)| format!("{median:.0}, {most}")))
+    })
+    .shown(Shown::IfVaried)
+    .about(
+        "compacted",
+        "rules of retained trials after compaction, median and maximum.",
+    ),
+    Column::new("failed", |row| row.summary.failed.to_string()).shown(Shown::IfVaried),
+];
+
+/// Returns the described columns of the table of results: their names, and the description.
+pub fn columns() -> impl Iterator<Item = (&'static str, &'static str)> {
+    COLUMNS.iter().filter_map(|column| column.about)
+}
+
+/// Formats all arms and their summaries as a table.
+pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
+    let letters = letters(arms);
+    let mut table = Table::new(COLUMNS.iter().map(|column| column.name));
+    for (arm, summary) in arms.iter().zip(summaries) {
+        let row = Row {
+            arm,
+            letters: &letters,
+            summary,
+        };
+        let cells = COLUMNS.iter().map(|column| (column.cell)(&row));
+        table.rows.push(cells.collect());
+    }
+    table.without_dull(|name| {
+        let column = COLUMNS.iter().find(|column| column.name == name);
+        match column.map(|column| &column.shown) {
+            Some(Shown::IfVaried) => true,
+            Some(Shown::If(has)) => !summaries.iter().any(has),
+            Some(Shown::Always) | None => false,
+        }
+    })
+}
 
 /// Describes the columns of a table of results.
 pub fn legend(table: &Table) -> String {
-    let is_shown = |line: &&str| {
-        let name = line.split([':', ',']).next().unwrap_or_default();
-        let mut columns = table.header.iter();
-        columns.any(|column| column == name || column.strip_suffix(" (IQM)") == Some(name))
-    };
-    let shown = LEGEND.lines().filter(is_shown);
-    shown.collect::<Vec<_>>().join(" ")
+    let is_shown = |column: &&Column| table.header.iter().any(|name| *name == column.name);
+    let about = COLUMNS
+        .iter()
+        .filter(is_shown)
+        .filter_map(|column| column.about);
+    let sentences: Vec<String> = about
+        .map(|(names, about)| format!("{names}: {about}"))
+        .collect();
+    sentences.join(" ")
 }
 
 /// Assigns letters to the settings of a sweep, in the order of their names.
@@ -72,78 +260,6 @@ fn variant(variant: &Variant, letters: &[(String, String)]) -> String {
         .filter_map(word)
         .collect::<Vec<_>>()
         .join(" ")
-}
-
-/// Formats all arms and their summaries as a table. Constant columns are left out.
-pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
-    let letters = letters(arms);
-    let rows = arms.iter().zip(summaries);
-    let table = Table::of(
-        rows,
-        &[
-            ("world", &|(_, one)| one.world.clone()),
-            ("method", &|(_, one)| one.method.clone()),
-            ("arena", &|(_, one)| one.arena.to_owned()),
-            ("sensor", &|(_, one)| one.sensor.to_owned()),
-            ("variant", &|(arm, _)| variant(&arm.variant, &letters)),
-            ("memory", &|(_, one)| {
-                let word = if one.needs_memory { "needed" } else { "–" };
-                word.to_owned()
-            }),
-            ("solved", &|(_, one)| one.successes.to_string()),
-            ("of", &|(_, one)| one.trials.to_string()),
-            ("95 % interval", &|(_, one)| {
-                let limits = Some((one.wilson_low, one.wilson_high));
-                percents(limits.filter(|_| one.trials > 0))
-            }),
-            ("retained", &|(_, one)| one.retained.to_string()),
-            ("stays optimal", &|(_, one)| {
-                percent(one.mean_optimal_share_after_first)
-            }),
-            ("median", &|(_, one)| shown(one.median_episode)),
-            ("p95", &|(_, one)| shown(one.p95_episode)),
-            ("steps (IQM)", &|(_, one)| whole(one.iqm_env_steps)),
-            ("steps: 95 %", &|(_, one)| {
-                let limits = one.iqm_env_steps_low.zip(one.iqm_env_steps_high);
-                shown(limits.map(|(low, high)| format!("{low:.0}–{high:.0}")))
-            }),
-            ("score", &|(_, one)| {
-                shown(one.mean_greedy_score.map(|mean| format!("{mean:.2}")))
-            }),
-            ("driven", &|(_, one)| percent(one.driven_goals)),
-            ("driven: 95 %", &|(_, one)| {
-                percents(one.driven_always_low.zip(one.driven_always_high))
-            }),
-            ("shortest", &|(_, one)| percent(one.driven_optimal)),
-            ("driven steps", &|(_, one)| {
-                shown(one.driven_steps.map(|steps| format!("{steps:.1}")))
-            }),
-            ("obs. errors", &|(_, one)| {
-                per_mille(one.observation_error_share)
-            }),
-            ("mislocalised", &|(_, one)| {
-                per_mille(one.mislocalised_share)
-            }),
-            ("collisions", &|(_, one)| whole(one.mean_collisions)),
-            ("rules", &|(_, one)| whole(one.mean_rules)),
-            ("compacted", &|(_, one)| {
-                let counts = one.median_compacted_rules.zip(one.most_compacted_rules);
-                shown(counts.map(|(median, most)| format!("{median:.0}, {most}")))
-            }),
-            ("failed", &|(_, one)| one.failed.to_string()),
-        ],
-    );
-    let none_erred = summaries
-        .iter()
-        .all(|one| one.observation_error_share.is_none() && one.mislocalised_share.is_none());
-    let all_can_solve = summaries.iter().all(|one| !one.needs_memory);
-    let none_drove = summaries.iter().all(|one| one.driven_goals.is_none());
-    table.without_dull(|name| match name {
-        "memory" => all_can_solve,
-        "obs. errors" | "mislocalised" => none_erred,
-        "driven" | "driven: 95 %" | "shortest" | "driven steps" => none_drove,
-        _ => ["arena", "sensor", "variant", "compacted", "failed"].contains(&name),
-    })
 }
 
 /// Formats a value, or a dash if there is none.

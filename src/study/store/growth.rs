@@ -101,8 +101,7 @@ impl StudyFolder {
             ..Self::read(&self.path)?
         };
         if smaller.missing().is_empty() {
-            smaller.write_tables()?;
-            Report::new(&smaller).write(&smaller)?;
+            Report::new(&smaller).write()?;
         }
         let mut changed = Vec::new();
         for name in std::iter::once(first).chain(present) {

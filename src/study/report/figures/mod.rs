@@ -20,9 +20,11 @@ use crate::{Error, ErrorKind};
 ///
 /// # Errors
 /// When a figure cannot be drawn or written.
-pub fn draw_figures(folder: &StudyFolder) -> Result<Vec<Picture>, Error> {
-    let records = ArmRecords::all(folder);
-    let panels = Panels::new(&records, folder.protocol().episodes);
+pub fn draw_figures(
+    folder: &StudyFolder,
+    records: &[ArmRecords<'_>],
+) -> Result<Vec<Picture>, Error> {
+    let panels = Panels::new(records, folder.protocol().episodes);
     let mut pictures = Vec::new();
     let mut add = |name, caption, drawing: &dyn Drawing| {
         pictures.push(draw(folder, name, caption, drawing)?);
