@@ -4,7 +4,7 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 
-use crate::commands::config::{self, ConfigCommand};
+use crate::commands::config::{self, ConfigArgs};
 use crate::commands::drive::{self, DriveArgs};
 use crate::commands::evaluate::{self, EvaluateArgs};
 use crate::commands::export::{self, ExportArgs};
@@ -13,7 +13,7 @@ use crate::commands::map::{self, MapArgs};
 use crate::commands::recording::{self, RecordingCommand};
 use crate::commands::replay::{self, ReplayArgs};
 use crate::commands::results::Results;
-use crate::commands::robot::{self, RobotCommand};
+use crate::commands::robot::{self, RobotArgs};
 use crate::commands::ros_args;
 use crate::commands::rules::{self, RulesArgs};
 use crate::commands::simulate::{self, SimulateArgs};
@@ -79,15 +79,21 @@ pub enum Command {
     World(WorldCommand),
     /// Show robot profiles.
     #[command(subcommand)]
-    Robot(RobotCommand),
+    Robot(Show<RobotArgs>),
     /// Show all settings and where each value comes from.
     #[command(subcommand)]
-    Config(ConfigCommand),
+    Config(Show<ConfigArgs>),
     /// Print completions for a shell, such as `source <(xcscr completions bash)`.
     Completions {
         /// The shell.
         shell: Shell,
     },
+}
+
+/// A group of commands that has only `show`.
+#[derive(Debug, Subcommand)]
+pub enum Show<A: clap::Args> {
+    Show(A),
 }
 
 impl Cli {
@@ -105,7 +111,7 @@ impl Cli {
     /// Runs the chosen subcommand; results go to `out`.
     pub fn run(self, out: &mut Results) -> Result<(), Failure> {
         match self.command {
-            Command::Config(command) => config::run(&command, out)?,
+            Command::Config(Show::Show(args)) => config::run(&args, out)?,
             Command::Completions { shell } => complete(shell, out)?,
             Command::Train(args) => train::run(&args, out)?,
             Command::Evaluate(args) => evaluate::run(&args, out)?,
@@ -118,7 +124,7 @@ impl Cli {
             Command::Study(command) => study::run(&command, out)?,
             Command::Map(args) => map::run(&args)?,
             Command::World(command) => world::run(command, out)?,
-            Command::Robot(command) => robot::run(&command, out)?,
+            Command::Robot(Show::Show(args)) => robot::run(&args, out)?,
         }
         Ok(out.flush()?)
     }
@@ -126,9 +132,12 @@ impl Cli {
 
 /// Passes negative numbers to all options, whose own parsers say which values they accept.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
-    let option = |arg: Arg| match arg.get_long().is_some() && arg.get_action().takes_values() {
-        true => arg.allow_negative_numbers(true),
-        false => arg,
+    let option = |arg: Arg| {
+        if arg.get_long().is_some() && arg.get_action().takes_values() {
+            arg.allow_negative_numbers(true)
+        } else {
+            arg
+        }
     };
     command
         .mut_args(option)

@@ -83,9 +83,12 @@ impl SettingsArgs {
     /// Returns the settings applied on top of `base`. A robot profile replaces the whole robot of
     /// `base`.
     pub fn resolve(&self, base: &Settings) -> Result<Resolved, Failure> {
-        let read = |path: &Path| match path.is_dir() {
-            true => Err(not_settings(path, "a folder")),
-            false => read_text(path, Settings::MOST_BYTES),
+        let read = |path: &Path| {
+            if path.is_dir() {
+                Err(not_settings(path, "a folder"))
+            } else {
+                read_text(path, Settings::MOST_BYTES)
+            }
         };
         let text = self.config.as_deref().map(read).transpose()?;
         let name = self.config.as_ref().map(|path| path.display().to_string());

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use clap::Subcommand;
 use xcscr::agent::Method;
 use xcscr::trial::{Resolved, Settings};
 
@@ -12,16 +11,9 @@ use super::failure::Failure;
 use super::output::print_json;
 use super::results::Results;
 
-/// Subcommands of `config`.
-#[derive(Debug, Subcommand)]
-pub enum ConfigCommand {
-    /// Print all settings as a file for --config, each one with its origin.
-    Show(ShowArgs),
-}
-
-/// Arguments of `config show`.
+/// Print all settings as a file for --config, each one with its origin.
 #[derive(Debug, clap::Args)]
-pub struct ShowArgs {
+pub struct ConfigArgs {
     #[command(flatten)]
     settings: SettingsArgs,
     /// Print the settings for this world, which determines the step limit unless it is set.
@@ -44,9 +36,8 @@ struct Entry<'a> {
     about: &'a str,
 }
 
-/// Runs one of the config commands.
-pub fn run(command: &ConfigCommand, out: &mut Results) -> Result<(), Failure> {
-    let ConfigCommand::Show(args) = command;
+/// Runs `config show`.
+pub fn run(args: &ConfigArgs, out: &mut Results) -> Result<(), Failure> {
     let resolved = args.settings.resolve(&Settings::of(args.method))?;
     let resolved = match &args.world {
         Some(world) => resolved.in_maze(&choices::world(world)?),

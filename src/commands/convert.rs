@@ -271,9 +271,10 @@ fn to_map(args: &ConvertArgs, out: &mut Results) -> Result<(), Failure> {
     image_file.write(&map.image)?;
     map_file.write(map.yaml.as_bytes())?;
     let (map, image) = (args.output.display(), image.display());
-    let pixels = match maze.is_from_map() {
-        true => "the pixels of the map",
-        false => "one pixel per cell",
+    let pixels = if maze.is_from_map() {
+        "the pixels of the map"
+    } else {
+        "one pixel per cell"
     };
     Ok(writeln!(out, "{map} and {image}: {pixels}")?)
 }

@@ -68,21 +68,24 @@ pub fn run(args: &EvaluateArgs, out: &mut Results) -> Result<(), Failure> {
     if args.robustness {
         let found = Robustness::run(&plan, &knowledge, args.episodes, &stop);
         let found = found.map_err(again)?;
-        return match args.json {
-            true => print_json(&found, out),
-            false => print_robustness(&found, &knowledge, out),
+        return if args.json {
+            print_json(&found, out)
+        } else {
+            print_robustness(&found, &knowledge, out)
         };
     }
     let evaluation = run::evaluate(&plan, &knowledge, args.episodes, &stop).map_err(again)?;
-    match args.json {
-        true => print_json(&evaluation, out)?,
-        false => print(&evaluation, &plan, &knowledge, out)?,
+    if args.json {
+        print_json(&evaluation, out)?
+    } else {
+        print(&evaluation, &plan, &knowledge, out)?
     }
     if args.require_optimal && !evaluation.is_optimal() {
         let (optimal, episodes) = (evaluation.optimal, evaluation.episodes);
-        let how = match plan.config.settings.arena.slip > 0.0 {
-            true => "chose only best actions",
-            false => "took a shortest path",
+        let how = if plan.config.settings.arena.slip > 0.0 {
+            "chose only best actions"
+        } else {
+            "took a shortest path"
         };
         let message = format!("{optimal} of {episodes} episodes {how}");
         return Err(Failure::new(ErrorKind::Refuted, message));
@@ -110,9 +113,10 @@ fn print(
     out: &mut Results,
 ) -> Result<(), Failure> {
     // Where moves slip, the fewest steps are not a meaningful reference.
-    let (optimally, best) = match plan.config.settings.arena.slip > 0.0 {
-        true => ("only best actions", "expected at best"),
-        false => ("by a shortest path", "shortest"),
+    let (optimally, best) = if plan.config.settings.arena.slip > 0.0 {
+        ("only best actions", "expected at best")
+    } else {
+        ("by a shortest path", "shortest")
     };
     let (world, arena, noise, seed) = (&e.world, &e.arena, e.noise, e.seed);
     let (count, counted, episodes) = (knowledge.len(), knowledge.counts(), e.episodes);

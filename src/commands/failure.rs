@@ -46,9 +46,10 @@ impl Failure {
         let colours = shows_colours(&io::stderr());
         let plain = format!("error: {}", escaped(&self.0.to_string()));
         let fitted = fitted(&plain, &io::stderr());
-        let message = match colours {
-            true => fitted.replacen("error", RED_ERROR, 1),
-            false => fitted.into_owned(),
+        let message = if colours {
+            fitted.replacen("error", RED_ERROR, 1)
+        } else {
+            fitted.into_owned()
         };
         if self.kind() != ErrorKind::Closed {
             let _ = writeln!(io::stderr(), "{message}");

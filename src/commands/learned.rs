@@ -49,9 +49,10 @@ pub fn of_run(run: &Path, is_recording: bool) -> Result<(Plan, Knowledge), Failu
 
 /// Returns the path of a sibling of a run whose name ends with `suffix`.
 pub fn beside(run: &Path, suffix: &str) -> PathBuf {
-    let name = match run.is_dir() {
-        true => run.file_name(),
-        false => run.file_stem(),
+    let name = if run.is_dir() {
+        run.file_name()
+    } else {
+        run.file_stem()
     };
     let name = name.unwrap_or_default().to_string_lossy();
     run.with_file_name(format!("{name}{suffix}"))
@@ -85,9 +86,10 @@ impl LearnedArgs {
             plan.maze = choices::world(world)?;
         }
         plan.config.sensor = self.sensor.unwrap_or(plan.config.sensor);
-        let knowledge = match plan == own {
-            true => knowledge,
-            false => knowledge.elsewhere(),
+        let knowledge = if plan == own {
+            knowledge
+        } else {
+            knowledge.elsewhere()
         };
         Ok(Learned {
             plan: plan.fitted(),

@@ -36,9 +36,10 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     require_svg(&args.output)?;
     let file = OutputFile::free(&args.output, args.force)?;
     let (plan, shown) = plan(args)?;
-    let look = match args.worth {
-        true => Look::ActionValues,
-        false => Look::Policy,
+    let look = if args.worth {
+        Look::ActionValues
+    } else {
+        Look::Policy
     };
     let picture = RunInputs::training(plan).picture(args.episode.or(shown), look)?;
     file.write(picture.svg().as_bytes())

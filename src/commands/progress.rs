@@ -31,9 +31,10 @@ impl EpisodeProgress {
 
 /// Returns a bar on stderr, if stderr is a terminal; `quiet` hides it.
 pub fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
-    let target = match quiet {
-        true => ProgressDrawTarget::hidden(),
-        false => ProgressDrawTarget::stderr(),
+    let target = if quiet {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr()
     };
     ProgressBar::with_draw_target(Some(length), target).with_style(style(template))
 }

@@ -1,26 +1,21 @@
 //! `xcscr robot`: lists and shows robot profiles.
 
-use clap::Subcommand;
 use xcscr::trial::{RobotProfile, Settings};
 
 use super::failure::Failure;
 use super::results::Results;
 
-/// Subcommands of `robot`.
-#[derive(Debug, Subcommand)]
-pub enum RobotCommand {
-    /// Print a profile with the source of each value, as a file for `--robot`, or list the bundled profiles.
-    Show {
-        /// A bundled profile or a TOML file. Without it, the bundled profiles are listed.
-        #[arg(value_name = "NAME|FILE")]
-        robot: Option<String>,
-    },
+/// Print a profile with the source of each value, as a file for `--robot`, or list the bundled profiles.
+#[derive(Debug, clap::Args)]
+pub struct RobotArgs {
+    /// A bundled profile or a TOML file. Without it, the bundled profiles are listed.
+    #[arg(value_name = "NAME|FILE")]
+    robot: Option<String>,
 }
 
-/// Runs a subcommand of `robot`.
-pub fn run(command: &RobotCommand, out: &mut Results) -> Result<(), Failure> {
-    let RobotCommand::Show { robot } = command;
-    match robot {
+/// Runs `robot show`.
+pub fn run(args: &RobotArgs, out: &mut Results) -> Result<(), Failure> {
+    match &args.robot {
         None => list(out),
         Some(robot) => show(&RobotProfile::load(robot)?, out),
     }

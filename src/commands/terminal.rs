@@ -46,9 +46,10 @@ pub fn write_row(out: &mut Results, label: &str, value: impl Display) -> Result<
 /// Wraps text for a terminal to lines of at most 80 columns, between words. For a file or a pipe,
 /// the text is unchanged, so that it can be searched.
 pub fn fitted<'a>(text: &'a str, there: &impl IsTerminal) -> Cow<'a, str> {
-    match there.is_terminal() {
-        true => Cow::Owned(broken(text)),
-        false => Cow::Borrowed(text),
+    if there.is_terminal() {
+        Cow::Owned(broken(text))
+    } else {
+        Cow::Borrowed(text)
     }
 }
 
@@ -99,9 +100,10 @@ pub fn shows_colours(there: &impl IsTerminal) -> bool {
 /// Prints a maze with its policy and legend to stdout, in colour if enabled.
 pub fn print_maze(drawn: &str) -> Result<(), Unwritten> {
     let (mut out, drawn) = (io::stdout(), escaped(drawn));
-    let written = match shows_colours(&out) {
-        true => writeln!(out, "{}", painted(&drawn)),
-        false => writeln!(out, "{drawn}"),
+    let written = if shows_colours(&out) {
+        writeln!(out, "{}", painted(&drawn))
+    } else {
+        writeln!(out, "{drawn}")
     };
     written.map_err(Unwritten)
 }
@@ -188,9 +190,10 @@ pub fn escaped(text: &str) -> Cow<'_, str> {
     }
     let mut shown = String::with_capacity(text.len() + 16);
     for character in text.chars() {
-        match is_command(character) {
-            true => write!(shown, "\\u{:04x}", u32::from(character)).expect("a string has room"),
-            false => shown.push(character),
+        if is_command(character) {
+            write!(shown, "\\u{:04x}", u32::from(character)).expect("a string has room")
+        } else {
+            shown.push(character)
         }
     }
     Cow::Owned(shown)

@@ -115,9 +115,10 @@ pub fn run(command: WorldCommand, out: &mut Results) -> Result<(), Failure> {
                 bounds: bounds.then(|| Bounds::new(&maze, sensor)),
                 ..Description::new(&maze)
             };
-            match json {
-                true => print_json(&description, out),
-                false => description.print(out),
+            if json {
+                print_json(&description, out)
+            } else {
+                description.print(out)
             }
         }
     }
@@ -181,9 +182,10 @@ fn verdict(failures: &[ErrorKind], files: usize) -> Result<(), Failure> {
     let Some(&first) = failures.first() else {
         return Ok(());
     };
-    let exit = match failures.contains(&ErrorKind::BadData) {
-        true => ErrorKind::BadData,
-        false => first,
+    let exit = if failures.contains(&ErrorKind::BadData) {
+        ErrorKind::BadData
+    } else {
+        first
     };
     let message = format!("{} of {files} worlds cannot be used", failures.len());
     Err(Failure::new(exit, message))
@@ -313,9 +315,10 @@ impl LookAlike {
             return Ok(writeln!(out, "aliased     ({name}) none")?);
         }
         for group in self.groups.iter().take(MOST_LISTED) {
-            let note = match group.share_a_best_action {
-                true => "one move is best in all",
-                false => "no move is best in all",
+            let note = if group.share_a_best_action {
+                "one move is best in all"
+            } else {
+                "no move is best in all"
             };
             let cells = places(&group.cells);
             write_words(out, &format!("aliased     ({name}) {cells}: {note}"))?;

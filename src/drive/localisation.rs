@@ -125,9 +125,10 @@ impl Localisation {
         covariance: &Matrix3<f64>,
     ) -> Option<Mislocalised> {
         let deviation_m = covariance[(0, 0)].max(covariance[(1, 1)]).max(0.0).sqrt();
-        self.unsure_steps = match deviation_m > UNSURE * maze.cell_size_m() {
-            true => self.unsure_steps + 1,
-            false => 0,
+        self.unsure_steps = if deviation_m > UNSURE * maze.cell_size_m() {
+            self.unsure_steps + 1
+        } else {
+            0
         };
         if self.unsure_steps > UNSURE_STEPS {
             return Some(Mislocalised::Unsure(deviation_m));

@@ -191,22 +191,24 @@ pub(super) fn in_grid(maze: &Maze, in_map: [f64; 3]) -> Isometry2<f64> {
 fn tolerance(maze: &Maze, given: Option<[f64; 2]>) -> Result<[f64; 2], Error> {
     let [off_m, off_rad] = given.unwrap_or(PUT_DOWN);
     let most_m = maze.cell_size_m() / 4.0;
-    match (0.001..=most_m).contains(&off_m) && (0.001..=0.5).contains(&off_rad) {
-        true => Ok([off_m, off_rad]),
-        false => Err(refusal(format!(
+    if (0.001..=most_m).contains(&off_m) && (0.001..=0.5).contains(&off_rad) {
+        Ok([off_m, off_rad])
+    } else {
+        Err(refusal(format!(
             "the start tolerance is {off_m} m and {off_rad} rad, but must be from 0.001 to {most_m} m, a quarter of a \
              cell, and from 0.001 to 0.5 rad"
-        ))),
+        )))
     }
 }
 
 fn checked(wheels: Wheels) -> Result<Wheels, Error> {
-    match (0.005..=0.5).contains(&wheels.radius_m) {
-        true => Ok(wheels),
-        false => Err(refusal(format!(
+    if (0.005..=0.5).contains(&wheels.radius_m) {
+        Ok(wheels)
+    } else {
+        Err(refusal(format!(
             "the radius of the wheels is {} m, but must be from 0.005 to 0.5 m",
             wheels.radius_m
-        ))),
+        )))
     }
 }
 
@@ -221,11 +223,12 @@ pub(super) fn start(maze: &Maze, given: Option<[f64; 3]>) -> Result<Isometry2<f6
     let in_grid = in_grid(maze, given);
     let cell = maze.cell_in_grid(in_grid.translation.vector.into());
     let is_free = cell.is_some_and(|cell| !maze.is_wall(cell) && !maze.is_goal(cell));
-    match is_free && given.iter().all(|number| number.is_finite()) {
-        true => Ok(in_grid),
-        false => Err(refusal(format!(
+    if is_free && given.iter().all(|number| number.is_finite()) {
+        Ok(in_grid)
+    } else {
+        Err(refusal(format!(
             "the start {given:?} is not in a free cell of the maze, or in a goal; pass `--start x,y,yaw` in the \
              map frame"
-        ))),
+        )))
     }
 }

@@ -94,9 +94,10 @@ impl Timeline {
             let half_rad = turned_rad / 2.0;
             let along = Vector2::new(libm::cos(half_rad), libm::sin(half_rad));
             let chord_m = moved.translation.vector.dot(&along);
-            let arc = match half_rad.abs() < 1e-9 {
-                true => 1.0,
-                false => half_rad / libm::sin(half_rad),
+            let arc = if half_rad.abs() < 1e-9 {
+                1.0
+            } else {
+                half_rad / libm::sin(half_rad)
             };
             (last.travel_m + arc * chord_m, last.turned_rad + turned_rad)
         });
@@ -354,9 +355,10 @@ fn beam(
     }
     let end = laser_in_base.translation.vector + range_m * direction;
     let far_m = end.norm();
-    match far_m > 0.0 {
-        true => (bearing(end), Some(far_m)),
-        false => (bearing(direction), None),
+    if far_m > 0.0 {
+        (bearing(end), Some(far_m))
+    } else {
+        (bearing(direction), None)
     }
 }
 

@@ -160,12 +160,13 @@ impl Policy {
             u128::from(a.0) * u128::from(b.1) > u128::from(b.0) * u128::from(a.1)
         };
         let voted = Action::all(self.actions).filter(|action| sums[action.index()].1 > 0);
-        voted.reduce(
-            |best, action| match greater(sums[action.index()], sums[best.index()]) {
-                true => action,
-                false => best,
-            },
-        )
+        voted.reduce(|best, action| {
+            if greater(sums[action.index()], sums[best.index()]) {
+                action
+            } else {
+                best
+            }
+        })
     }
 
     /// The votes, in the order of the rules.

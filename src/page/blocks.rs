@@ -113,9 +113,10 @@ impl Table {
         };
         let rule = |(&width, &is_number): (&usize, &bool)| {
             let dashes = "-".repeat(width.saturating_sub(1));
-            match is_number {
-                true => dashes + ":",
-                false => ":".to_owned() + &dashes,
+            if is_number {
+                dashes + ":"
+            } else {
+                ":".to_owned() + &dashes
             }
         };
         let rules = columns.widths.iter().zip(&columns.numbers).map(rule);
@@ -174,9 +175,10 @@ impl Table {
                 rows: self.rows.iter().map(kept).collect(),
             }
         };
-        match parts.is_empty() {
-            true => vec![self.clone()],
-            false => parts.iter().map(part).collect(),
+        if parts.is_empty() {
+            vec![self.clone()]
+        } else {
+            parts.iter().map(part).collect()
         }
     }
 
@@ -225,9 +227,10 @@ impl Columns {
     fn line(&self, row: &[String], gap: &str) -> String {
         let cell = |(column, text): (usize, &String)| {
             let width = self.widths[column];
-            match self.numbers[column] {
-                true => format!("{text:>width$}"),
-                false => format!("{text:<width$}"),
+            if self.numbers[column] {
+                format!("{text:>width$}")
+            } else {
+                format!("{text:<width$}")
             }
         };
         let cells: Vec<String> = row.iter().enumerate().map(cell).collect();
@@ -244,13 +247,16 @@ fn across(widths: &[usize]) -> usize {
 /// Wraps the cells of a row to the given widths, and returns the lines. Continuation lines are
 /// indented.
 fn broken(row: &[String], widths: &[usize]) -> Vec<Vec<String>> {
-    let parts = |(cell, &width): (&String, &usize)| match cell.chars().count() > width {
-        true => wrapped(cell, width - 2)
-            .replace('\n', "\n  ")
-            .lines()
-            .map(str::to_owned)
-            .collect(),
-        false => vec![cell.clone()],
+    let parts = |(cell, &width): (&String, &usize)| {
+        if cell.chars().count() > width {
+            wrapped(cell, width - 2)
+                .replace('\n', "\n  ")
+                .lines()
+                .map(str::to_owned)
+                .collect()
+        } else {
+            vec![cell.clone()]
+        }
     };
     let cells: Vec<Vec<String>> = row.iter().zip(widths).map(parts).collect();
     let lines = cells.iter().map(Vec::len).max().unwrap_or(0);

@@ -54,9 +54,10 @@ fn table(table: &Table) -> String {
     let numbers = table.numbers();
     let cells = |tag: &str, row: &[String]| {
         let cell = |(column, text): (usize, &String)| {
-            let class = match numbers[column] {
-                true => " class=\"number\"",
-                false => "",
+            let class = if numbers[column] {
+                " class=\"number\""
+            } else {
+                ""
             };
             match tag {
                 "th" => format!(

@@ -5,9 +5,10 @@ use crate::record::colours::SCALE;
 /// Returns the colour of a share, from 0 (far from the goal) to 1 (near the goal).
 pub(super) fn shade(near: f64) -> u32 {
     let [far, middle, nearest] = SCALE;
-    match near < 0.5 {
-        true => blend(far, middle, 2.0 * near),
-        false => blend(middle, nearest, 2.0 * near - 1.0),
+    if near < 0.5 {
+        blend(far, middle, 2.0 * near)
+    } else {
+        blend(middle, nearest, 2.0 * near - 1.0)
     }
 }
 

@@ -123,9 +123,10 @@ impl Moment {
             None => "never arrives".to_owned(),
         };
         // Where actions slip, the fewest steps are not a meaningful reference.
-        let verdict = match paths.slips() && self.optimal {
-            true => "; the policy is optimal",
-            false => "",
+        let verdict = if paths.slips() && self.optimal {
+            "; the policy is optimal"
+        } else {
+            ""
         };
         let result = self.result();
         format!("{result}; greedy path now: {greedy}{verdict}")

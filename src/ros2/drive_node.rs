@@ -107,17 +107,20 @@ impl DriveNode {
                 PoseSource::Own => Some(link.subscription("initialpose", pose, &best_effort())?),
                 PoseSource::Tf => None,
             },
-            joints: match options.reads_joints {
-                true => Some(link.subscription("joint_states", JOINTS, &best_effort())?),
-                false => None,
+            joints: if options.reads_joints {
+                Some(link.subscription("joint_states", JOINTS, &best_effort())?)
+            } else {
+                None
             },
-            clock: match options.sim_time {
-                true => Some(link.subscription("clock", clock, &best_effort())?),
-                false => None,
+            clock: if options.sim_time {
+                Some(link.subscription("clock", clock, &best_effort())?)
+            } else {
+                None
             },
-            cmd_vel: match options.dry_run {
-                true => None,
-                false => Some(Velocity::open(&mut link, options.stamped)?),
+            cmd_vel: if options.dry_run {
+                None
+            } else {
+                Some(Velocity::open(&mut link, options.stamped)?)
             },
             velocity: if options.stamped { STAMPED } else { TWIST },
             tf: match (options.dry_run, options.source) {

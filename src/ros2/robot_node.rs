@@ -33,9 +33,10 @@ enum Commands {
 impl Commands {
     fn open(link: &mut Link, stamped: bool) -> Result<Self, Error> {
         let qos = best_effort();
-        Ok(match stamped {
-            false => Self::Plain(link.subscription("cmd_vel", TWIST, &qos)?),
-            true => Self::Stamped(link.subscription("cmd_vel", STAMPED, &qos)?),
+        Ok(if stamped {
+            Self::Stamped(link.subscription("cmd_vel", STAMPED, &qos)?)
+        } else {
+            Self::Plain(link.subscription("cmd_vel", TWIST, &qos)?)
         })
     }
 

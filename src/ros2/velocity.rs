@@ -17,9 +17,10 @@ pub enum Velocity {
 impl Velocity {
     /// Creates the publisher, of stamped commands or of others.
     pub fn open(link: &mut Link, stamped: bool) -> Result<Self, Error> {
-        Ok(match stamped {
-            false => Self::Plain(publisher_of(link, TWIST)?),
-            true => Self::Stamped(publisher_of(link, STAMPED)?),
+        Ok(if stamped {
+            Self::Stamped(publisher_of(link, STAMPED)?)
+        } else {
+            Self::Plain(publisher_of(link, TWIST)?)
         })
     }
 

@@ -67,9 +67,10 @@ impl Contents {
         // Ignores the files that exist before a run begins.
         let is_lock = |name: &OsString| name == LOCK && !disk::is_foreign_lock(&path.join(LOCK));
         names.retain(|name| !is_lock(name) && !disk::is_leftover_of(name, UNFINISHED));
-        Ok(match names.is_empty() {
-            true => Self::Nothing,
-            false => Self::Foreign,
+        Ok(if names.is_empty() {
+            Self::Nothing
+        } else {
+            Self::Foreign
         })
     }
 }

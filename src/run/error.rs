@@ -41,8 +41,9 @@ pub(super) fn exists(folder: &Path) -> Error {
 
 /// Adds how to resume the run in `folder`. A stopped run already says it.
 pub(super) fn resumable_in(error: Error, folder: &Path) -> Error {
-    match error.kind() != ErrorKind::Interrupted && is_resumable(folder) {
-        true => error.with_hint(&resume_hint(folder)),
-        false => error,
+    if error.kind() != ErrorKind::Interrupted && is_resumable(folder) {
+        error.with_hint(&resume_hint(folder))
+    } else {
+        error
     }
 }

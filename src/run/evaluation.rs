@@ -34,9 +34,10 @@ pub(crate) fn observe(
 ) -> Result<Evaluation, Error> {
     let mut observers = (observer, Until(stop));
     let evaluation = Evaluation::observed(plan, knowledge, episodes, &mut observers)?;
-    match stop() {
-        true => Err(ErrorKind::Interrupted.error("interrupted")),
-        false => Ok(evaluation),
+    if stop() {
+        Err(ErrorKind::Interrupted.error("interrupted"))
+    } else {
+        Ok(evaluation)
     }
 }
 
@@ -66,9 +67,10 @@ struct Until<'a>(&'a dyn Fn() -> bool);
 
 impl Observer for Until<'_> {
     fn ended(&mut self, _: &Episode, _: &AfterEpisode<'_>) -> ControlFlow<()> {
-        match (self.0)() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
+        if (self.0)() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
         }
     }
 }

@@ -58,9 +58,10 @@ fn without(chosen: &mut Value, usual: &Value) {
     fields.retain(|name, field| {
         let is_section = field.is_object();
         without(field, &usual[name]);
-        match is_section {
-            true => field != &serde_json::json!({}),
-            false => *field != usual[name],
+        if is_section {
+            field != &serde_json::json!({})
+        } else {
+            *field != usual[name]
         }
     });
 }

@@ -30,9 +30,10 @@ impl RunFolder {
     pub fn replay_page(&self) -> Result<String, Error> {
         let plan = self.plan()?;
         let knowledge = self.knowledge()?;
-        match has_every_episode(self.path(), plan.config.episodes) {
-            true => page_of(self.path(), &plan, &knowledge),
-            false => page(&plan),
+        if has_every_episode(self.path(), plan.config.episodes) {
+            page_of(self.path(), &plan, &knowledge)
+        } else {
+            page(&plan)
         }
     }
 }
@@ -78,16 +79,15 @@ fn limited(plan: &Plan) -> Plan {
 
 /// Rejects very large worlds, because the page draws every cell.
 fn require_few_cells(plan: &Plan) -> Result<(), Error> {
-    match plan.maze.is_too_large() {
-        true => {
-            let message = format!(
-                "{} has too many cells for the page of a run, which draws each of them; watch single \
+    if plan.maze.is_too_large() {
+        let message = format!(
+            "{} has too many cells for the page of a run, which draws each of them; watch single \
                  episodes instead",
-                plan.maze.name()
-            );
-            Err(ErrorKind::BadData.error(message))
-        }
-        false => Ok(()),
+            plan.maze.name()
+        );
+        Err(ErrorKind::BadData.error(message))
+    } else {
+        Ok(())
     }
 }
 

@@ -109,9 +109,10 @@ struct Last(Option<u32>);
 
 impl Observer for Last {
     fn ended(&mut self, episode: &Episode, _: &AfterEpisode<'_>) -> ControlFlow<()> {
-        match self.0 == Some(episode.episode) {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
+        if self.0 == Some(episode.episode) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
         }
     }
 }

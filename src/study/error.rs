@@ -33,9 +33,10 @@ pub(super) fn jobs<E: Display>(jobs: usize) -> impl Fn(E) -> Error {
 /// Returns the conversion of an error when reading or writing a file.
 pub(super) fn io(path: &Path) -> impl Fn(io::Error) -> Error {
     move |cause| {
-        let again = match disk::is_full(&cause) {
-            true => ", then run the same command again: finished trials are kept",
-            false => "",
+        let again = if disk::is_full(&cause) {
+            ", then run the same command again: finished trials are kept"
+        } else {
+            ""
         };
         let (path, hint) = (path.display(), disk::way_out_of_writing(&cause));
         ErrorKind::Io.error(format!("{path}: {cause}{hint}{again}"))

@@ -45,9 +45,10 @@ impl StudyFolder {
         self.require_same_agents()?;
         self.require_own_outputs()?;
         self.run_trials(&self.missing(), jobs, watcher)?;
-        match self.missing().is_empty() {
-            true => self.replace_smaller(),
-            false => Ok(()),
+        if self.missing().is_empty() {
+            self.replace_smaller()
+        } else {
+            Ok(())
         }
     }
 

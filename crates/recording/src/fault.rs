@@ -47,9 +47,10 @@ pub(super) fn unlike_repeated_run<E: Into<McapError>>(path: &Path) -> impl Fn(E)
 
 /// Returns the error for a file with these bytes, which are not an MCAP file.
 pub fn not_a_recording(path: &Path, bytes: &[u8]) -> Error {
-    let kind = match bytes.starts_with(b"SQLite format 3") {
-        true => "it is a database; `ros2 bag convert` converts a bag to MCAP",
-        false => "it does not begin like an MCAP file",
+    let kind = if bytes.starts_with(b"SQLite format 3") {
+        "it is a database; `ros2 bag convert` converts a bag to MCAP"
+    } else {
+        "it does not begin like an MCAP file"
     };
     let message = format!("this is not a recording: {kind}: {}", path.display());
     ErrorKind::BadData.error(message)

@@ -40,13 +40,12 @@ fn page_of(path: &Path, out: &mut Results) -> Result<String, Failure> {
     if StudyFolder::is_in(path) {
         return page_of_study(&StudyFolder::read(path)?, out);
     }
-    match path.is_dir() {
-        true => Ok(RunFolder::open(path).replay_page()?),
-        false => {
-            let recording = Recording::open(path)?;
-            recording.require_single()?;
-            Ok(player::page(&recording)?)
-        }
+    if path.is_dir() {
+        Ok(RunFolder::open(path).replay_page()?)
+    } else {
+        let recording = Recording::open(path)?;
+        recording.require_single()?;
+        Ok(player::page(&recording)?)
     }
 }
 

@@ -59,12 +59,11 @@ pub fn run(args: &RulesArgs, out: &mut Results) -> Result<(), Failure> {
         let few = knowledge.with_fewest_rules(config.perception(), maze);
         return why::print(&plan, &few, cell, out);
     }
-    let compacted = match args.all {
-        true => None,
-        false => {
-            let paths = Paths::with_slip(maze, config.settings.arena.slip);
-            Compacted::new(&knowledge, config.perception(), maze, &paths)
-        }
+    let compacted = if args.all {
+        None
+    } else {
+        let paths = Paths::with_slip(maze, config.settings.arena.slip);
+        Compacted::new(&knowledge, config.perception(), maze, &paths)
     };
     let shown = compacted.as_ref().map_or(all, |few| &few.rules);
     let rows = listing::rows(shown.rules(), &plan, &knowledge);

@@ -50,9 +50,10 @@ fn choice(plan: &Plan, why: &Why) -> String {
         .iter()
         .map(|&(values, action)| format!("{} {values:.1}", name(action)));
     let rated: Vec<String> = rated.collect();
-    match rated.is_empty() {
-        true => "anywhere, because no rule matches".to_owned(),
-        false => format!("{}   (values: {})", best.join(" or "), rated.join(", ")),
+    if rated.is_empty() {
+        "anywhere, because no rule matches".to_owned()
+    } else {
+        format!("{}   (values: {})", best.join(" or "), rated.join(", "))
     }
 }
 
@@ -87,13 +88,14 @@ fn print_votes(plan: &Plan, why: &Why, out: &mut Results) -> Result<(), Failure>
         "\nRules that match, and their share in the value of their action:"
     )?;
     writeln!(out, "\n{}", table.text().trim_end())?;
-    match more.is_empty() {
-        true => Ok(()),
-        false => Ok(writeln!(
+    if more.is_empty() {
+        Ok(())
+    } else {
+        Ok(writeln!(
             out,
             "and with smaller shares {}",
             more.join(", ")
-        )?),
+        )?)
     }
 }
 
@@ -113,12 +115,13 @@ fn print_changes(why: &Why, plan: &Plan, out: &mut Results) -> Result<(), Failur
         let line = format!("  {name:<11} with {}{place}", words.join(", "));
         write_words(out, &line)?;
     }
-    match why.changes.is_empty() {
-        true => Ok(writeln!(
+    if why.changes.is_empty() {
+        Ok(writeln!(
             out,
             "  nowhere else, for any change of one or two surrounding cells"
-        )?),
-        false => Ok(()),
+        )?)
+    } else {
+        Ok(())
     }
 }
 

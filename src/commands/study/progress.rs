@@ -45,9 +45,10 @@ impl StudyWatcher for StudyProgress {
     fn finished(&mut self, _: &TrialRecord) -> ControlFlow<()> {
         self.bar.inc(1);
         self.finished.fetch_add(1, Ordering::Relaxed);
-        match self.interrupt.came() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
+        if self.interrupt.came() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
         }
     }
 }

@@ -93,9 +93,10 @@ impl Pose {
     /// not a number if the orientation is no rotation.
     fn on_floor(&self) -> Isometry2<f64> {
         let Quaternion { x, y, z, w } = self.orientation;
-        let heading = match self.orientation.is_rotation() {
-            true => Complex::new(1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y)),
-            false => Complex::new(f64::NAN, f64::NAN),
+        let heading = if self.orientation.is_rotation() {
+            Complex::new(1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y))
+        } else {
+            Complex::new(f64::NAN, f64::NAN)
         };
         Isometry2::from_parts(
             Translation2::new(self.position.x, self.position.y),

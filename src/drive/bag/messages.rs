@@ -215,9 +215,12 @@ impl OccupancyGrid {
         let [width, height] = solid.size();
         let pixels = (0..height).flat_map(|row| (0..width).map(move |col| (col, row)));
         // Both are at most 64 million.
-        let data = pixels.map(|(col, row)| match solid.is_solid(col as i32, row as i32) {
-            true => OCCUPIED,
-            false => 0,
+        let data = pixels.map(|(col, row)| {
+            if solid.is_solid(col as i32, row as i32) {
+                OCCUPIED
+            } else {
+                0
+            }
         });
         let corner = solid.corner_in_grid().copied();
         let grid = maze.grid_in_map();

@@ -13,9 +13,10 @@ impl Pose {
     /// not a number if the orientation is none.
     fn in_space(&self) -> Isometry3<f64> {
         let Quaternion { x, y, z, w } = self.orientation;
-        let w = match self.orientation.is_rotation() {
-            true => w,
-            false => f64::NAN,
+        let w = if self.orientation.is_rotation() {
+            w
+        } else {
+            f64::NAN
         };
         let at = self.position;
         Isometry3::from_parts(

@@ -28,9 +28,10 @@ impl Wanted {
             (Err(_), Ok(length)) if first.trim().is_empty() => size.saturating_sub(length)..size,
             _ => return Self::All,
         };
-        match part.is_empty() {
-            true => Self::Nothing,
-            false => Self::Part(part),
+        if part.is_empty() {
+            Self::Nothing
+        } else {
+            Self::Part(part)
         }
     }
 }

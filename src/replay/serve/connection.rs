@@ -31,12 +31,13 @@ impl Connection {
     pub fn accept(stream: TcpStream, slots: &Slots) -> Result<Self, TcpStream> {
         let is_full = Arc::strong_count(&slots.0) > MAX_CONNECTIONS;
         let prepared = stream.set_nodelay(true);
-        match is_full || prepared.is_err() {
-            true => Err(stream),
-            false => Ok(Self {
+        if is_full || prepared.is_err() {
+            Err(stream)
+        } else {
+            Ok(Self {
                 stream,
                 _slot: slots.clone(),
-            }),
+            })
         }
     }
 

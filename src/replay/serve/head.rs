@@ -30,9 +30,10 @@ impl std::str::FromStr for Origin {
             .find_map(|scheme| text.strip_prefix(scheme))
             .ok_or(NoOrigin)?;
         let is_part = |c: char| c.is_ascii_alphanumeric() || "-._:[]".contains(c);
-        match !host.is_empty() && host.chars().all(is_part) {
-            true => Ok(Self(text)),
-            false => Err(NoOrigin),
+        if !host.is_empty() && host.chars().all(is_part) {
+            Ok(Self(text))
+        } else {
+            Err(NoOrigin)
         }
     }
 }

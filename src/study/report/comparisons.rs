@@ -335,9 +335,10 @@ fn decided_outcomes(one: &Comparison) -> String {
     ];
     let decided = outcomes.iter().filter(|(_, decides)| *decides);
     let names: Vec<&str> = decided.map(|(name, _)| *name).collect();
-    match names.is_empty() {
-        true => "no".to_owned(),
-        false => names.join(", "),
+    if names.is_empty() {
+        "no".to_owned()
+    } else {
+        names.join(", ")
     }
 }
 

@@ -294,13 +294,12 @@ pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
         0 => String::new(),
         _ => format!(" {failed} trials failed and are not counted: see `trials.csv`."),
     };
-    let hopeless = match arms.iter().any(|arm| arm.needs_memory) {
-        true => {
-            " Where the column `memory` says `needed`, cells share a percept and need different actions, \
+    let hopeless = if arms.iter().any(|arm| arm.needs_memory) {
+        " Where the column `memory` says `needed`, cells share a percept and need different actions, \
              so no policy without memory is optimal. More episodes cannot change that, and these rows \
              are in no test."
-        }
-        false => "",
+    } else {
+        ""
     };
     let lost: u64 = arms
         .iter()

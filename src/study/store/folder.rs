@@ -171,9 +171,10 @@ impl StudyFolder {
     pub fn retry_failed(&mut self) -> Result<(), Error> {
         let all = self.records.len();
         self.records.retain(|_, record| record.result.is_ok());
-        match self.records.len() < all && !self.grows {
-            true => remove_outputs(&self.path),
-            false => Ok(()),
+        if self.records.len() < all && !self.grows {
+            remove_outputs(&self.path)
+        } else {
+            Ok(())
         }
     }
 
@@ -241,24 +242,26 @@ impl StudyFolder {
     /// Checks that this program made the plan. Another version may compute other results, or have other settings.
     pub(in crate::study) fn require_same_program(&self) -> Result<(), Error> {
         let (found, this) = (&self.protocol().version, env!("CARGO_PKG_VERSION"));
-        match found == this {
-            true => Ok(()),
-            false => Err(ErrorKind::BadData.error(format!(
+        if found == this {
+            Ok(())
+        } else {
+            Err(ErrorKind::BadData.error(format!(
                 "{} was planned by xcscr {found}, but this is {this}: use that version, or plan the \
                  study again in another folder",
                 self.path.display()
-            ))),
+            )))
         }
     }
 
     /// Checks that there is such a task, counted from 1.
     pub(in crate::study) fn require_task(&self, task: usize) -> Result<(), Error> {
         let (folder, count) = (self.path.display(), self.tasks());
-        match (1..=count).contains(&task) {
-            true => Ok(()),
-            false => Err(ErrorKind::Usage.error(format!(
+        if (1..=count).contains(&task) {
+            Ok(())
+        } else {
+            Err(ErrorKind::Usage.error(format!(
                 "{folder} has no task {task}: give a number from 1 to {count}"
-            ))),
+            )))
         }
     }
 }

@@ -149,16 +149,13 @@ fn clear(path: &Path) -> Result<(), Error> {
 /// Returns the error for a folder that contains another plan than the wanted one.
 fn refusal(path: &Path, wanted: &StoredPlan, found: &StoredPlan) -> Error {
     let (folder, differences) = (path.display(), wanted.protocol.differences(&found.protocol));
-    ErrorKind::CannotCreate.error(match wanted.extends(found) {
-        true => format!(
+    ErrorKind::CannotCreate.error(if wanted.extends(found) { format!(
             "{folder} contains a smaller study ({differences}): add its trials with `study run`, or choose \
              another folder with `--out`"
-        ),
-        false => format!(
+        ) } else { format!(
             "{folder} contains another study ({differences}): choose another folder with `--out`, or replace \
              that study with `study run --force`"
-        ),
-    })
+        ) })
 }
 
 /// Locks a folder, and removes the temporary files that a killed process left in it.

@@ -127,13 +127,14 @@ pub fn require_journal(path: &Path) -> Result<(), Error> {
     let mut first = Vec::new();
     let read = file.take(MAGIC.len() as u64).read_to_end(&mut first);
     read.map_err(error::io(path))?;
-    match MAGIC.as_bytes().starts_with(&first) {
-        true => Ok(()),
-        false => Err(ErrorKind::CannotCreate.error(format!(
+    if MAGIC.as_bytes().starts_with(&first) {
+        Ok(())
+    } else {
+        Err(ErrorKind::CannotCreate.error(format!(
             "{} is not a journal of xcscr; nothing was removed: move the file to another folder, then \
              run the command again",
             path.display()
-        ))),
+        )))
     }
 }
 
@@ -148,9 +149,10 @@ pub fn read(path: &Path, each: &mut dyn FnMut(Line) -> Result<(), Error>) -> Res
     let first = next()?;
     if first != header().as_bytes() {
         // A half-written header is the beginning of a new journal.
-        return match header().as_bytes().starts_with(&first) {
-            true => Ok(()),
-            false => Err(error::damaged(path)(foreign(&first))),
+        return if header().as_bytes().starts_with(&first) {
+            Ok(())
+        } else {
+            Err(error::damaged(path)(foreign(&first)))
         };
     }
     for number in 2.. {

@@ -73,17 +73,19 @@ impl StudyFolder {
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), Error> {
         let path = self.path().join(name);
-        let written = match self.force {
-            true => disk::replace_with(&path, write).map(|()| true),
-            false => disk::keep_or_create(&path, write),
+        let written = if self.force {
+            disk::replace_with(&path, write).map(|()| true)
+        } else {
+            disk::keep_or_create(&path, write)
         };
-        match written.map_err(error::io(&path))? {
-            true => Ok(()),
-            false => Err(ErrorKind::CannotCreate.error(format!(
+        if written.map_err(error::io(&path))? {
+            Ok(())
+        } else {
+            Err(ErrorKind::CannotCreate.error(format!(
                 "{} exists and differs from what this study would write: replace it with `--force`; \
                  the trials are kept",
                 path.display()
-            ))),
+            )))
         }
     }
 }

@@ -152,13 +152,14 @@ fn checksum(plan: &str, tasks: usize, arms: &[String]) -> String {
 fn require_own(path: &Path) -> Result<(), Error> {
     let is_early = |name: &OsString| name == JOURNALS || disk::is_leftover_of(name, PLAN);
     // List the names first: another process may be creating the same plan, and more files after it.
-    match names(path)?.iter().all(is_early) || StoredPlan::is_in(path) {
-        true => Ok(()),
-        false => Err(ErrorKind::CannotCreate.error(format!(
+    if names(path)?.iter().all(is_early) || StoredPlan::is_in(path) {
+        Ok(())
+    } else {
+        Err(ErrorKind::CannotCreate.error(format!(
             "{} contains files that xcscr did not create; refusing to change it: choose another \
              folder with `--out`",
             path.display()
-        ))),
+        )))
     }
 }
 

@@ -57,9 +57,10 @@ pub fn keep_or_create(
 ) -> io::Result<bool> {
     let temporary = written_temporary(path, write)?;
     let written = temporary.reopen()?;
-    match differs_from(path, written.metadata()?.len(), written)? {
-        true => Ok(false),
-        false => persist(temporary, path, true).map(|()| true),
+    if differs_from(path, written.metadata()?.len(), written)? {
+        Ok(false)
+    } else {
+        persist(temporary, path, true).map(|()| true)
     }
 }
 
@@ -100,9 +101,10 @@ pub fn aside(path: &Path) -> io::Result<NamedTempFile> {
 /// Errors of the file system. The old file is then unchanged.
 pub fn persist(temporary: NamedTempFile, path: &Path, force: bool) -> io::Result<()> {
     temporary.as_file().sync_all()?;
-    let named = match force {
-        true => temporary.persist(path),
-        false => temporary.persist_noclobber(path),
+    let named = if force {
+        temporary.persist(path)
+    } else {
+        temporary.persist_noclobber(path)
     };
     named.map_err(|fault| fault.error)?;
     // The file has its name. Some folders cannot be opened or synced.
@@ -152,9 +154,10 @@ fn folder_of(path: &Path) -> &Path {
 
 fn sync_folder(folder: &Path) -> io::Result<()> {
     // Only Unix can sync a folder.
-    match cfg!(unix) {
-        true => File::open(folder)?.sync_all(),
-        false => Ok(()),
+    if cfg!(unix) {
+        File::open(folder)?.sync_all()
+    } else {
+        Ok(())
     }
 }
 

@@ -138,9 +138,10 @@ pub fn is_foreign_lock(path: &Path) -> bool {
 /// Returns true if another process works in a folder. A lock file that a killed process left does not count.
 pub fn is_in_use(folder: &Path) -> bool {
     let path = folder.join(LOCK);
-    let file = match is_foreign_lock(&path) {
-        true => return false,
-        false => File::open(path),
+    let file = if is_foreign_lock(&path) {
+        return false;
+    } else {
+        File::open(path)
     };
     // The shared lock ends at once, with the file.
     file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))

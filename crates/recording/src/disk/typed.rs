@@ -6,9 +6,10 @@ use std::path::Path;
 /// starts with `-`. Paths that are not UTF-8 or contain control characters use `$'...'`, which
 /// bash, ksh and zsh read.
 pub fn typed(path: &Path) -> String {
-    let path = match path.as_os_str().as_encoded_bytes().starts_with(b"-") {
-        true => &Path::new(".").join(path),
-        false => path,
+    let path = if path.as_os_str().as_encoded_bytes().starts_with(b"-") {
+        &Path::new(".").join(path)
+    } else {
+        path
     };
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./+:,@%=".contains(c);
     match path

@@ -112,11 +112,12 @@ pub fn check_unpacked(bytes: &[u8]) -> Result<(), String> {
             _ => {}
         }
     }
-    match unpacked <= most {
-        true => Ok(()),
-        false => Err(format!(
+    if unpacked <= most {
+        Ok(())
+    } else {
+        Err(format!(
             "its chunks unpack to {unpacked} bytes, but at most {most} are accepted for a file of its size"
-        )),
+        ))
     }
 }
 

@@ -94,13 +94,15 @@ fn axes(covariance: &Matrix3<f64>) -> (f64, f64, UnitComplex<f64>) {
     let (middle, half) = ((xx + yy) / 2.0, (xx - yy) / 2.0);
     let apart = (half * half + xy * xy).sqrt();
     // Of the two forms of the eigenvector, use the one without cancellation.
-    let long = match half >= 0.0 {
-        true => Complex::new(half + apart, xy),
-        false => Complex::new(xy, apart - half),
+    let long = if half >= 0.0 {
+        Complex::new(half + apart, xy)
+    } else {
+        Complex::new(xy, apart - half)
     };
-    let direction = match apart > 0.0 {
-        true => UnitComplex::new_normalize(long),
-        false => UnitComplex::identity(),
+    let direction = if apart > 0.0 {
+        UnitComplex::new_normalize(long)
+    } else {
+        UnitComplex::identity()
     };
     let deviation = |variance: f64| variance.max(0.0).sqrt();
     (

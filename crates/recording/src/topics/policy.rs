@@ -102,9 +102,10 @@ fn arrow(maze: &Maze, cell: Cell, direction: Direction) -> [Point3; ARROW_CORNER
 
 /// Returns the level of a nearness, and one beyond the levels for 0, which leads to no goal.
 fn shade(nearness: f32) -> u8 {
-    match nearness > 0.0 {
-        true => (f64::from(nearness) * SHADES).round() as u8,
-        false => SHADES as u8 + 1,
+    if nearness > 0.0 {
+        (f64::from(nearness) * SHADES).round() as u8
+    } else {
+        SHADES as u8 + 1
     }
 }
 

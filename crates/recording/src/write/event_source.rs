@@ -193,9 +193,10 @@ impl EventSource {
 
     /// Returns the scans of a move, if beams are recorded.
     fn scans(&self, view: &View<'_>, is_begin: bool) -> Vec<Timed> {
-        let scans = match self.beams {
-            true => scan::scans(view, is_begin),
-            false => Vec::new(),
+        let scans = if self.beams {
+            scan::scans(view, is_begin)
+        } else {
+            Vec::new()
         };
         let scans = scans.into_iter();
         scans

@@ -196,9 +196,10 @@ impl Recorder {
     fn open_episode(&self, episode: u32, view: &View<'_>) -> Result<MessageStream, Error> {
         let kind = RecordingKind::Episode(episode);
         let path = self.path(kind);
-        let file = match self.repeats && path.is_file() {
-            true => File::complete(path),
-            false => File::create(path),
+        let file = if self.repeats && path.is_file() {
+            File::complete(path)
+        } else {
+            File::create(path)
         };
         let beams = self.mode == RecordMode::Beams;
         self.introduce(

@@ -109,16 +109,18 @@ impl MessageStream {
             }
             Event::Learned(learned) => {
                 self.learned.clone_from(learned);
-                match self.is_episode {
-                    true => self.show_learned(time_ns),
-                    false => Ok(()),
+                if self.is_episode {
+                    self.show_learned(time_ns)
+                } else {
+                    Ok(())
                 }
             }
             Event::Contact(contact) => {
                 self.trail.hit(&self.scenery.maze, contact);
-                match self.is_episode {
-                    true => self.file.fact(Topic::Contact, time_ns, contact),
-                    false => Ok(()),
+                if self.is_episode {
+                    self.file.fact(Topic::Contact, time_ns, contact)
+                } else {
+                    Ok(())
                 }
             }
             _ if !self.is_episode => Ok(()),
@@ -172,9 +174,10 @@ impl MessageStream {
         let (file, Scenery { maze, robot, .. }) = (&mut self.file, &*self.scenery);
         file.message(Topic::GridFrame, time_ns, &transforms::fixed(maze, time_ns))?;
         file.message(Topic::Maze, time_ns, &maze::scene(maze, time_ns))?;
-        match self.is_episode {
-            true => file.message(Topic::Robot, time_ns, &robot::scene(robot, time_ns)),
-            false => Ok(()),
+        if self.is_episode {
+            file.message(Topic::Robot, time_ns, &robot::scene(robot, time_ns))
+        } else {
+            Ok(())
         }
     }
 
@@ -189,9 +192,10 @@ impl MessageStream {
 
     fn outcome(&mut self, time_ns: u64, outcome: &StepOutcome) -> Result<(), Error> {
         self.file.fact(Topic::Step, time_ns, outcome)?;
-        match self.trail.is_due(time_ns) && self.is_episode {
-            true => self.show_trail(time_ns),
-            false => Ok(()),
+        if self.trail.is_due(time_ns) && self.is_episode {
+            self.show_trail(time_ns)
+        } else {
+            Ok(())
         }
     }
 
@@ -219,12 +223,11 @@ impl MessageStream {
         let (maze, learned) = (&self.scenery.maze, &self.learned);
         let values = values::grid(learned, maze, time_ns);
         self.file.message(Topic::Values, time_ns, &values)?;
-        match last.is_some_and(|last| policy::marks(&last) == policy::marks(learned)) {
-            true => Ok(()),
-            false => {
-                let scene = policy::scene(learned, maze, time_ns);
-                self.file.message(Topic::Policy, time_ns, &scene)
-            }
+        if last.is_some_and(|last| policy::marks(&last) == policy::marks(learned)) {
+            Ok(())
+        } else {
+            let scene = policy::scene(learned, maze, time_ns);
+            self.file.message(Topic::Policy, time_ns, &scene)
         }
     }
 }
