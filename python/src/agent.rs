@@ -1,10 +1,9 @@
-//! XCS and `xcscr-plus` for Python environments and tables.
+//! XCS for Python environments and tables.
 
 use pyo3::prelude::*;
 use xcs::bounds::OutOfRange;
 use xcs::random::Stream;
 use xcs::{Action, Condition, IntervalSettings, Intervals, Params, Representation};
-use xcscr_learner::agent::{EnvironmentLearner, EnvironmentParams};
 
 use crate::learner::{Learner, Rule};
 use crate::plan::invalid;
@@ -16,7 +15,7 @@ const ROWS_STREAM: u64 = 2;
 /// The reward of a right answer. A wrong answer gets 0.
 const RIGHT: f64 = 1000.0;
 
-/// XCS with ternary or interval conditions, or `xcscr-plus`. Percepts are bytes: eight-byte floats in native byte
+/// XCS with ternary or interval conditions. Percepts are bytes: eight-byte floats in native byte
 /// order.
 #[pyclass(module = "xcscr._native")]
 pub struct Agent {
@@ -128,19 +127,6 @@ impl Agent {
         };
         Ok(Self {
             learner,
-            width,
-            actions,
-        })
-    }
-
-    /// Creates `xcscr-plus` for percepts of bits.
-    #[staticmethod]
-    fn plus(width: usize, actions: usize, params: &str, seed: u64) -> PyResult<Self> {
-        let params: EnvironmentParams = settings(params)?;
-        xcs::bounds::within("n_bits", width, 1..=xcs::MAX_PERCEPT_BITS).map_err(out_of_range)?;
-        let learner = EnvironmentLearner::new(params, actions, seed).map_err(out_of_range)?;
-        Ok(Self {
-            learner: Box::new(learner),
             width,
             actions,
         })

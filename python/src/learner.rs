@@ -5,12 +5,6 @@ use xcs::{Action, Condition, Intervals, Percept, Population, RealPercept, Repres
 /// The fault of a state that cannot be restored.
 const REFUSED: &str = "the state is damaged, or from a learner with other arguments";
 
-/// The fault of a learner without a state.
-const UNSAVED: &str = "this learner cannot be saved";
-
-/// The fault of a learner whose rules are chosen otherwise.
-const NOT_COMPACTED: &str = "the rules of this learner cannot be compacted";
-
 /// The attributes tested by a condition, each with its lower and upper bound.
 pub type Tests = Vec<(usize, f64, f64)>;
 /// Tests, action, prediction, error, fitness, numerosity, experience, set size, time stamp.
@@ -61,19 +55,10 @@ pub trait Learner: Send + Sync {
     fn micro(&self) -> u32;
 
     /// Drops rules that are not needed to choose these actions in the rows of a table.
-    fn compact(&mut self, _rows: &[(&[f64], Action)]) -> Result<(), String> {
-        Err(NOT_COMPACTED.into())
-    }
+    fn compact(&mut self, rows: &[(&[f64], Action)]) -> Result<(), String>;
 
-    /// Returns the state. By default, a learner cannot be saved.
-    fn state(&self) -> Result<Vec<u8>, String> {
-        Err(UNSAVED.into())
-    }
-
-    /// Continues from a state.
-    fn restore(&mut self, _: &[u8], _: usize) -> Result<(), String> {
-        Err(UNSAVED.into())
-    }
+    fn state(&self) -> Result<Vec<u8>, String>;
+    fn restore(&mut self, state: &[u8], width: usize) -> Result<(), String>;
 }
 
 /// Converts the rules of a population.

@@ -4,7 +4,6 @@ mod agent;
 mod external;
 mod learner;
 mod plan;
-mod plus;
 mod process;
 mod recording;
 mod robot;

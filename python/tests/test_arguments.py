@@ -63,10 +63,6 @@ def xcs(**more):
     return xcscr.XCS(**{"n_actions": 2, "n_bits": 2} | more)
 
 
-def plus(**more):
-    return xcscr.Plus(**{"n_actions": 2, "n_bits": 2} | more)
-
-
 def classifier(**more):
     pytest.importorskip("sklearn")
     return xcscr.XCSClassifier(**{"iterations": 10} | more).fit([[0.0], [1.0]], [0, 1])
@@ -105,8 +101,6 @@ COUNTS = {
     "n_bits": (lambda value: xcs(n_bits=value), []),
     "n_features": (lambda value: xcscr.XCS(2, n_features=value), []),
     "n_actions": (lambda value: xcs(n_actions=value), []),
-    "n_actions of Plus": (lambda value: plus(n_actions=value), []),
-    "tries": (lambda value: plus(tries=value), []),
     "population_size": (lambda value: xcs(population_size=value), []),
     "theta_ga": (lambda value: xcs(theta_ga=value), []),
     "steps": (lambda value: xcs().fit(Constant(1.0), steps=value), LARGE),
@@ -137,11 +131,9 @@ NUMBERS = {
     "setting": (lambda value: grid(settings={"arena.slip": value}), []),
     "setting of a study": (lambda value: study(settings={"tabular.alpha": value}), []),
     "gamma": (lambda value: xcs(gamma=value), []),
-    "gamma of Plus": (lambda value: plus(gamma=value), []),
-    "best_return": (lambda value: plus(best_return=value), OMITTED),
     "beta": (lambda value: xcs(beta=value), []),
     "reward": (lambda value: (learner := xcs(), learner.act([0, 1]), learner.update(value)), []),
-    "reward of an environment": (lambda value: plus().fit(Constant(value), steps=3), []),
+    "reward of an environment": (lambda value: xcs().fit(Constant(value), steps=3), []),
     "low": (lambda value: xcscr.XCS(2, n_features=1, low=value), NO_NUMBERS[8:9]),
 }
 
@@ -206,7 +198,6 @@ def test_numbers_of_numpy_and_paths_are_accepted_everywhere(tmp_path):
     learner = xcs(n_actions=small, n_bits=small, seed=one, theta_ga=np.int64(30), beta=np.float32(0.1), ga=np.bool_(True))
     learner.fit(Constant(np.float32(1.0)), steps=small, episodes=one, seed=one)
     learner.fit_table([[0, 1]], np.array([1], np.uint8), trials=small, seed=one)
-    plus(n_actions=small, n_bits=small, tries=small, seed=one).fit(Constant(one), steps=small)
     with xcscr.Record(gymnasium.make("xcscr/Maze-v0", world=world, arena="grid"), tmp_path / "recorded") as env:
         env.reset(seed=1)
         env.step(small)

@@ -15,7 +15,6 @@ from ._native import bundled_worlds, methods, sensors, verify_recording
 from .envs import MazeEnv
 from .learning import Result, Rule, train
 from .parameters import Parameters
-from .plus import Plus
 from .recording import Record, RecordVector
 from .rules import XCSRule
 from .studies import Study, study
@@ -30,7 +29,6 @@ __all__ = [
     "MazeEnv",
     "MazeVectorEnv",
     "Parameters",
-    "Plus",
     "Record",
     "RecordVector",
     "Result",

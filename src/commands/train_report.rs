@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use xcscr::agent::Chosen;
+use xcscr::agent::{Chosen, RuleUpdates};
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
@@ -50,6 +50,8 @@ pub struct TrainReport {
     filter_firings: u64,
     /// Episodes after which a policy was imprinted.
     imprintings: u32,
+    /// The number of updates of rules, by their source.
+    updates: RuleUpdates,
     /// The step limit of the first episode, and of the next one.
     step_limit: [u32; 2],
     /// The number of steps by decision source.
@@ -97,6 +99,7 @@ impl TrainReport {
             collisions: progress.collisions,
             filter_firings: progress.filter_firings,
             imprintings: progress.imprintings,
+            updates: progress.rule_updates,
             step_limit: [
                 config.settings.reward.step_threshold,
                 trial.method().step_threshold(),
@@ -147,6 +150,7 @@ impl TrainReport {
     fn print_mechanisms(&self, out: &mut Results) -> Result<(), Failure> {
         let [first, next] = self.step_limit;
         let firings = self.filter_firings;
+        let RuleUpdates { experience, model } = self.updates;
         let rows = [
             (
                 firings > 0,
@@ -159,6 +163,11 @@ impl TrainReport {
                 format!("after {} failures", self.imprintings),
             ),
             (first != next, "step limit", format!("{first} -> {next}")),
+            (
+                experience + model > 0,
+                "updates of rules",
+                format!("{experience} from experience, {model} from the model"),
+            ),
         ];
         for (_, name, text) in rows.into_iter().filter(|(shown, ..)| *shown) {
             write_row(out, name, text)?;

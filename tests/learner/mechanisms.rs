@@ -28,7 +28,7 @@ fn rules(plan: Plan) -> String {
 fn a_reward_or_a_switch_of_each_mechanism_changes_the_rules() {
     let usual = rules(plan(|_| ()));
     assert!(rules(plan(|_| ())) == usual, "control: the same settings");
-    let changes: [(&str, Change); 7] = [
+    let changes: [(&str, Change); 6] = [
         ("the cost of a contact", |s| s.reward.collision = -200.0),
         ("no short-term filter", |s| {
             s.reward.short_term_filter = false
@@ -36,8 +36,7 @@ fn a_reward_or_a_switch_of_each_mechanism_changes_the_rules() {
         ("one learning rate", |s| {
             s.reward.learning_rate_switching = false
         }),
-        ("no replay", |s| s.plus.replay = false),
-        ("no guided covering", |s| s.plus.guided_covering = false),
+        ("no repair", |s| s.plus.repair = false),
         ("random exploration", |s| s.plus.planned_exploration = false),
         ("another reward of the goal", |s| s.reward.goal = 500.0),
     ];

@@ -162,7 +162,8 @@ fn collision_rules_from_one_maze_spare_collisions_in_the_next() {
         let report: serde_json::Value = serde_json::from_str(&text).unwrap();
         ["collisions", "first_optimal_env_steps"].map(|key| report[key].as_u64().unwrap())
     });
-    assert!(fresh[0] > 2 && brought[0] == 0, "{fresh:?} {brought:?}");
+    // Rules without a correction collide, too: what the model predicts does not choose for them.
+    assert!(fresh[0] > 4 * brought[0], "{fresh:?} {brought:?}");
     assert!(brought[1] < fresh[1], "{fresh:?} {brought:?}");
 }
 
@@ -190,7 +191,7 @@ fn rules_that_a_method_cannot_begin_with_are_refused_before_anything_is_written(
 }
 
 #[test]
-fn why_tells_who_votes_and_what_would_change_it() {
+fn why_tells_which_rules_match_and_their_shares() {
     let told = fine("rules plus --why 1,1");
     assert!(told.starts_with("maze4, neighbours, cell 1,1\n"), "{told}");
     for words in [
@@ -203,20 +204,6 @@ fn why_tells_who_votes_and_what_would_change_it() {
     let maze4 = world("maze4");
     let lone = format!("rules plus/rules.json --world {maze4} --sensor neighbours --why 1,1");
     assert_eq!(told, fine(&lone));
-    // What is said to lead elsewhere does: in the cell that is named, the robot goes that way.
-    let mut named = 0;
-    for cell in ["1,4", "2,4", "3,4", "4,4", "5,5", "4,6"] {
-        let told = fine(&format!("rules plus --why {cell}"));
-        for line in told.lines().filter(|line| line.contains("(as in cell ")) {
-            let (way, rest) = line.trim().split_once(' ').unwrap();
-            let (_, there) = rest.trim_end_matches(')').rsplit_once(' ').unwrap();
-            let there = fine(&format!("rules plus --why {there}"));
-            let goes = format!("goes        {way} ");
-            assert!(there.contains(&goes), "{line}: {there}");
-            named += 1;
-        }
-    }
-    assert!(named > 0, "no cell of this world is named");
 }
 
 /// Does a text name a column or row by a pattern of bits?

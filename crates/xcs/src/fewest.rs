@@ -11,10 +11,10 @@ use crate::layout::Layout;
 use crate::percept::Percept;
 use crate::population::Population;
 use crate::prediction::PredictionSums;
+use crate::random::Stream;
 use crate::representation::Representation;
 
-/// Returns rules that choose, in each percept, only actions that all rules of `population` together rate best there, or
-/// nearly so ([`PredictionArray::is_nearly_best`](crate::PredictionArray::is_nearly_best)).
+/// Returns rules that choose, in each percept, only actions that all rules of `population` together rate best there.
 ///
 /// Candidates are the rules of `population`, and rules with the most general conditions that guided covering finds for
 /// the percepts: those match no percept in which their action is not one of the best, and none without a decision. A rule
@@ -22,7 +22,8 @@ use crate::representation::Representation;
 ///
 /// Chooses candidates that are right wherever they match, the one that covers the most percepts first. Then drops every
 /// rule without which no decision changes, least general first, and exchanges two rules or more for one where this changes
-/// no decision. The result depends on the order of the percepts.
+/// no decision. In small tasks, drops some rules at random and chooses anew, as long as the set does not grow (iterated
+/// greedy). The result depends on the order of the percepts.
 pub fn fewest_rules(
     population: &Population,
     percepts: &[Percept],
@@ -33,7 +34,7 @@ pub fn fewest_rules(
     let actions = actions.min(MAX_ACTIONS);
     let decisions = percepts.iter().map(|percept| {
         let sums = population.sums(percept);
-        (percept, sums.nearly_best(actions, over_match_set))
+        (percept, sums.best(actions, over_match_set))
     });
     let decisions: Vec<(&Percept, Vec<Action>)> = decisions.collect();
     let general = general_rules(population, &decisions, layout);
@@ -56,10 +57,29 @@ pub fn fewest_rules_for<'a, C: Representation + 'a>(
     Task::new(rules, decisions, actions, over_match_set).fewest()
 }
 
+/// The share of the chosen rules that are dropped at random, before others are chosen in their place.
+const DROPPED: f64 = 0.4;
+/// The maximum number of times that this is done, and the same times the number of rules and of percepts.
+const MOST_ROUNDS: usize = 50;
+const WORK: usize = 5_000_000;
+
+/// The only consumer of random numbers.
+enum Draws {
+    Dropped,
+}
+
+impl From<Draws> for u64 {
+    fn from(who: Draws) -> Self {
+        who as Self
+    }
+}
+
 /// The number of searches for a general condition in each round, times the number of percepts.
 const SEARCHES: usize = 4096;
+/// The greatest number of percepts for which conditions are also grown.
+const MOST_GROWN: usize = 128;
 /// The least number of percepts in a round for which a general condition is searched.
-const FEWEST_SEARCHES: usize = 4;
+const FEWEST_SEARCHES: usize = 2;
 
 /// Returns rules with general conditions that make these decisions. Each round searches a condition for some percepts
 /// that are not covered yet, and covers those of the rule that matches the most.
@@ -82,16 +102,19 @@ fn general_rules(
         for (at, action) in pairs {
             let wanted = left.iter().filter(|&&at| decisions[at].1.contains(&action));
             let wanted = wanted.copied().collect();
-            let Some(condition) = examples.condition_matching(at, action, &wanted) else {
-                continue;
-            };
-            let matches = |&at: &usize| condition.matches(decisions[at].0);
-            let covered: Vec<usize> = left.iter().copied().filter(matches).collect();
-            if seen.insert((condition, action)) && !population.contains(&condition, action) {
-                all.extend(general_rule(population, decisions[at].0, condition, action));
-            }
-            if best.as_ref().is_none_or(|best| covered.len() > best.len()) {
-                best = Some(covered);
+            let narrowed = examples.condition_matching(at, action, &wanted);
+            let grown = (decisions.len() <= MOST_GROWN)
+                .then(|| examples.grown_condition(at, action, &wanted))
+                .flatten();
+            for condition in narrowed.into_iter().chain(grown) {
+                let matches = |&at: &usize| condition.matches(decisions[at].0);
+                let covered: Vec<usize> = left.iter().copied().filter(matches).collect();
+                if seen.insert((condition, action)) && !population.contains(&condition, action) {
+                    all.extend(general_rule(population, decisions[at].0, condition, action));
+                }
+                if best.as_ref().is_none_or(|best| covered.len() > best.len()) {
+                    best = Some(covered);
+                }
             }
         }
         let Some(covered) = best else {
@@ -184,16 +207,34 @@ impl<'a, C: Representation> Task<'a, C> {
         let right: Vec<usize> = (0..self.rules.len())
             .filter(|&rule| self.is_right(rule))
             .collect();
-        let mut kept = self.cover(&right);
-        self.complete(&mut kept);
-        self.drop_redundant(&mut kept, 0..self.rules.len());
-        self.exchange(&right, &mut kept);
-        let rules = self.rules.iter().zip(kept);
+        let mut best = vec![false; self.rules.len()];
+        self.choose(&right, &mut best);
+        let mut stream = Stream::new(0, Draws::Dropped);
+        let size = self.rules.len() * self.decisions.len();
+        for _ in 0..(WORK / size.max(1)).min(MOST_ROUNDS) {
+            let mut kept = best.clone();
+            let chosen = kept.iter_mut().filter(|kept| **kept);
+            chosen.for_each(|kept| *kept = !stream.chance(DROPPED));
+            self.choose(&right, &mut kept);
+            let count = |kept: &[bool]| kept.iter().filter(|&&kept| kept).count();
+            if count(&kept) <= count(&best) {
+                best = kept;
+            }
+        }
+        let rules = self.rules.iter().zip(best);
         let rules = rules.filter(|(_, kept)| *kept);
         let rules: Vec<Classifier<C>> = rules.map(|(&rule, _)| rule.clone()).collect();
         rules
             .try_into()
             .expect("rules of a population or made of them, none of them twice")
+    }
+
+    /// Adds rules to the kept ones until all decisions are kept, then drops and exchanges those that are not needed.
+    fn choose(&mut self, right: &[usize], kept: &mut Vec<bool>) {
+        self.cover(right, kept);
+        self.complete(kept);
+        self.drop_redundant(kept, 0..self.rules.len());
+        self.exchange(right, kept);
     }
 
     fn add(&mut self, percept: &C::Percept, decision: Vec<Action>) {
@@ -208,10 +249,10 @@ impl<'a, C: Representation> Task<'a, C> {
         self.matching.push(matching);
     }
 
-    /// Chooses rules that are right wherever they match, the one that covers the most percepts first.
-    fn cover(&self, right: &[usize]) -> Vec<bool> {
-        let mut open = vec![true; self.decisions.len()];
-        let mut kept = vec![false; self.rules.len()];
+    /// Keeps rules that are right wherever they match, the one that covers the most percepts first.
+    fn cover(&self, right: &[usize], kept: &mut [bool]) {
+        let all = 0..self.decisions.len();
+        let mut open: Vec<bool> = all.map(|at| !self.keeps_decision(at, kept)).collect();
         loop {
             let gain = |rule: usize| self.matched[rule].iter().filter(|&&at| open[at]).count();
             let gains = right.iter().map(|&rule| (gain(rule), rule));
@@ -220,7 +261,7 @@ impl<'a, C: Representation> Task<'a, C> {
                 a.0.cmp(&b.0).then(fitness(a.1).total_cmp(&fitness(b.1)))
             });
             let Some((1.., best)) = best else {
-                return kept;
+                return;
             };
             kept[best] = true;
             self.matched[best].iter().for_each(|&at| open[at] = false);
@@ -360,7 +401,8 @@ mod tests {
 
         let rules = population.rules().iter().collect();
         let mut task = Task::new(rules, decisions(), 1, false);
-        let mut kept = task.cover(&[0, 1, 2, 3, 4]);
+        let mut kept = vec![false; 5];
+        task.cover(&[0, 1, 2, 3, 4], &mut kept);
         task.complete(&mut kept);
         task.drop_redundant(&mut kept, 0..5);
         assert_eq!(

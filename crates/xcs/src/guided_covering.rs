@@ -45,6 +45,26 @@ impl LabelledExamples {
         self.condition_for(number, wanted, &contradicting)
     }
 
+    /// Like [`condition_matching`](Self::condition_matching), found the other way round: begins with the percept alone,
+    /// and generalises the condition to one wanted example after the other, the most similar one first.
+    pub(super) fn grown_condition(
+        &self,
+        number: usize,
+        action: Action,
+        wanted: &FixedBitSet,
+    ) -> Option<Condition> {
+        let percept = &self.get(number)?.percept;
+        let contradicting = &without(self.given(), self.given_where(action));
+        let search = Search {
+            examples: self,
+            percept,
+            wanted,
+            contradicting,
+        };
+        let features = search.needed(search.shared()?);
+        Some(search.condition(&features))
+    }
+
     fn condition_for(
         &self,
         number: usize,
@@ -102,6 +122,36 @@ impl Search<'_> {
                 .examples
                 .with_feature(&matched, feature, self.has(feature));
         }
+    }
+
+    /// Returns the features that the percept shares with as many wanted examples as possible, so that no contradicting
+    /// example shares them.
+    fn shared(&self) -> Option<Vec<Feature>> {
+        let layout = self.examples.layout();
+        let agrees = |at: usize, feature: Feature| {
+            let percept = &self.examples.get(at)?.percept;
+            Some(layout.is_true(feature, percept) == self.has(feature))
+        };
+        let mut features: Vec<Feature> = self.examples.features().collect();
+        if !self.matched(&features).is_disjoint(self.contradicting) {
+            return None;
+        }
+        let differing = |at: usize| {
+            let all = features.iter();
+            all.filter(|&&feature| agrees(at, feature) == Some(false))
+                .count()
+        };
+        let mut others: Vec<(usize, usize)> =
+            self.wanted.ones().map(|at| (differing(at), at)).collect();
+        others.sort_unstable();
+        for (_, at) in others {
+            let left = features.iter().copied();
+            let left: Vec<Feature> = left.filter(|&f| agrees(at, f) == Some(true)).collect();
+            if self.matched(&left).is_disjoint(self.contradicting) {
+                features = left;
+            }
+        }
+        Some(features)
     }
 
     /// Drops each feature without which the condition still matches no contradicting example.
@@ -228,5 +278,20 @@ mod tests {
         other.best[1] = true;
         examples.give(1, other);
         assert_eq!(condition(&examples, 0, true), None);
+    }
+
+    #[test]
+    fn a_grown_condition_matches_many_wanted_examples_and_no_contradicting_one() {
+        let examples = examples(&["0000", "0101", "1000", "1101"], |text| {
+            text.starts_with('1')
+        });
+        let action = Action::new(0).unwrap();
+        let grown = |number| {
+            let wanted = examples.given_where(action);
+            let condition = examples.grown_condition(number, action, wanted);
+            condition.map(|condition| condition.to_string())
+        };
+        assert_eq!(grown(2).unwrap(), "1###");
+        assert_eq!(grown(0), None, "control: another label");
     }
 }

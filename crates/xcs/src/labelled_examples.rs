@@ -21,10 +21,10 @@ impl LabelledExample {
         Action::all(MAX_ACTIONS).filter(|action| self.best[action.index()])
     }
 
-    /// Returns true if any action has a value and all actions of the greatest value are among the
-    /// best.
+    /// Returns true if any action has a value and all actions that are
+    /// [nearly best](PredictionArray::is_nearly_best) by the values are among the best.
     pub fn agrees_with(&self, values: &PredictionArray) -> bool {
-        let mut chosen = values.best_actions();
+        let mut chosen = Action::all(MAX_ACTIONS).filter(|&action| values.is_nearly_best(action));
         values.greatest().is_some() && chosen.all(|action| self.best[action.index()])
     }
 }

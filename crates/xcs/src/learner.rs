@@ -27,6 +27,8 @@ pub struct Xcs<C: Representation = Condition> {
     pub(super) evolves: bool,
     /// True if the mapping adapts, as in XCSAM.
     pub(super) adapts: bool,
+    /// How often an action set was updated, or a rule taught.
+    updates: u64,
 }
 
 impl Xcs {
@@ -63,6 +65,7 @@ impl<C: Representation> Xcs<C> {
             stream,
             evolves: true,
             adapts: false,
+            updates: 0,
         }
     }
 
@@ -95,6 +98,11 @@ impl<C: Representation> Xcs<C> {
     /// Returns the parameters.
     pub fn params(&self) -> &Params {
         &self.params
+    }
+
+    /// Returns how often an action set was updated, or a rule taught.
+    pub fn updates(&self) -> u64 {
+        self.updates
     }
 
     /// Returns the number of actions.
@@ -149,6 +157,7 @@ impl<C: Representation> Xcs<C> {
     pub fn teach(&mut self, condition: C, action: Action, payoff: f64) {
         let rule = Classifier::new(condition, action, self.time, &self.params);
         let eam = self.eam_at_first();
+        self.updates += 1;
         let id = self.population.insert(Classifier { eam, ..rule });
         self.population.modify(id, |rule| {
             (rule.prediction, rule.error, rule.fitness) = (payoff, 0.0, 1.0);
@@ -224,6 +233,7 @@ impl<C: Representation> Xcs<C> {
     /// Updates experience, then error (Eq. 2) and prediction (Eq. 1, whose printed sign is wrong)
     /// in the order of [`UpdateOrder`], then set size and fitness.
     pub fn update_statistics(&mut self, set: &ActionSet<C>, target: f64, beta: f64) {
+        self.updates += 1;
         let micro: u32 = self
             .population
             .living(set.members())

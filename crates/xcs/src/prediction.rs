@@ -50,7 +50,7 @@ impl PredictionArray {
     /// bonus for time in the reward of a success (Eq. 7) makes such differences.
     pub fn is_nearly_best(&self, action: Action) -> bool {
         let values = self.get(action).zip(self.greatest());
-        values.is_some_and(|(value, greatest)| is_nearly(value, greatest))
+        values.is_some_and(|(value, greatest)| value >= greatest - NEARLY * greatest.abs())
     }
 
     /// Returns all actions with the greatest value.
@@ -59,11 +59,6 @@ impl PredictionArray {
         Action::all(self.actions)
             .filter(move |&action| greatest.is_some() && self.get(action) == greatest)
     }
-}
-
-/// Returns true if a value is the greatest one, or nearly so.
-fn is_nearly(value: f64, greatest: f64) -> bool {
-    value >= greatest - NEARLY * greatest.abs()
 }
 
 /// The sums that action values are computed from.
@@ -103,31 +98,10 @@ impl PredictionSums {
 
     /// Returns those of `actions` actions that have the greatest value; none if no action has a value.
     pub(super) fn best(&self, actions: usize, over_match_set: bool) -> Vec<Action> {
-        self.chosen(actions, over_match_set, |value, greatest| value == greatest)
-    }
-
-    /// Returns those of `actions` actions that are nearly best, as [`PredictionArray::is_nearly_best`] does.
-    pub(super) fn nearly_best(&self, actions: usize, over_match_set: bool) -> Vec<Action> {
-        self.chosen(actions, over_match_set, is_nearly)
-    }
-
-    /// Returns the actions whose value is good enough compared with the greatest.
-    fn chosen(
-        &self,
-        actions: usize,
-        over_match_set: bool,
-        is_enough: impl Fn(f64, f64) -> bool,
-    ) -> Vec<Action> {
-        let values =
-            Action::all(actions).map(|action| (action, self.value(action, over_match_set)));
-        let values: Vec<(Action, f64)> = values
-            .filter_map(|(action, value)| Some((action, value?)))
-            .collect();
-        let greatest = values.iter().map(|&(_, value)| value).reduce(f64::max);
-        let enough = values
-            .iter()
-            .filter(|&&(_, value)| greatest.is_some_and(|greatest| is_enough(value, greatest)));
-        enough.map(|&(action, _)| action).collect()
+        let value = |action| self.value(action, over_match_set);
+        let greatest = Action::all(actions).filter_map(value).reduce(f64::max);
+        let is_best = |&action: &Action| greatest.is_some() && value(action) == greatest;
+        Action::all(actions).filter(is_best).collect()
     }
 
     /// Returns the fitness-weighted mean prediction of each of `actions` actions. As printed, Eq. 6

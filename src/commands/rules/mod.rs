@@ -17,8 +17,7 @@ use super::results::Results;
 pub struct RulesArgs {
     #[command(flatten)]
     learned: LearnedArgs,
-    /// Explain the choice in this cell: the rules that match, and the changes of the percept that would change the
-    /// choice.
+    /// Explain the choice in this cell: the rules that match, and their values.
     #[arg(long, value_name = "COL,ROW", value_parser = cell, conflicts_with_all = ["all", "json", "csv"])]
     why: Option<Cell>,
     /// Print all rules of the population, not only the fewest that make the same decisions.

@@ -1,7 +1,7 @@
 //! `xcscr rules --why`: explains the choice in a cell.
 
 use xcscr::page::Table;
-use xcscr::trial::{Change, Plan, WeightedRule, Why};
+use xcscr::trial::{Plan, WeightedRule, Why};
 use xcscr::world::Cell;
 use xcscr::xcs::{Action, Classifier};
 
@@ -33,8 +33,7 @@ pub fn print(
     let perceived = sensor.words(maze, &why.percept);
     write_words(out, &format!("  perceives   {perceived}"))?;
     write_words(out, &format!("  goes        {}", choice(plan, &why)))?;
-    print_votes(plan, &why, out)?;
-    print_changes(&why, plan, out)
+    print_votes(plan, &why, out)
 }
 
 /// Formats the best actions, and the value of each action.
@@ -96,32 +95,6 @@ fn print_votes(plan: &Plan, why: &Why, out: &mut Results) -> Result<(), Failure>
             "and with smaller shares {}",
             more.join(", ")
         )?)
-    }
-}
-
-fn print_changes(why: &Why, plan: &Plan, out: &mut Results) -> Result<(), Failure> {
-    writeln!(out, "\nIt would go")?;
-    for Change {
-        action,
-        words,
-        cell,
-    } in &why.changes
-    {
-        let place = match cell {
-            Some(Cell { col, row }) => format!(" (as in cell {col},{row})"),
-            None => " (in no cell of this world)".to_owned(),
-        };
-        let name = plan.maze.action_name(*action);
-        let line = format!("  {name:<11} with {}{place}", words.join(", "));
-        write_words(out, &line)?;
-    }
-    if why.changes.is_empty() {
-        Ok(writeln!(
-            out,
-            "  nowhere else, for any change of one or two surrounding cells"
-        )?)
-    } else {
-        Ok(())
     }
 }
 

@@ -3,7 +3,7 @@
 use strum::{IntoStaticStr, VariantArray};
 
 use crate::agent::credit::{Combined, Standard};
-use crate::agent::plus::{RMax, Replay, ReplayParams, WorldModel, XcscrPlus};
+use crate::agent::plus::{RMax, Repair, WorldModel, XcscrPlus};
 use crate::agent::tabular::{Algorithm, Tabular};
 use crate::agent::{Agent, Knowledge, Params, PlusParams, Sharing, TabularParams};
 use xcs::Xcs;
@@ -37,7 +37,7 @@ pub enum Method {
     Xcscr,
     /// `xcscr` in which two co-evolving XCS decide what is imprinted.
     XcscrCoevolved,
-    /// `xcscr` with a learned model: planned exploration, replay, and guided covering.
+    /// `xcscr` with a learned model: planned exploration, and repair of the rules.
     XcscrPlus,
     /// Q-learning in a table.
     QLearning,
@@ -118,16 +118,11 @@ impl Method {
                 Box::new(combined(reward).with_experts(streams.map(stream)))
             }
             Self::XcscrPlus => {
-                let params = ReplayParams {
-                    replays: plus.replay,
-                    covers: plus.guided_covering,
-                    success: reward.goal,
-                    failure: reward.failure,
-                    beta: reward.beta_success,
-                };
-                let replay = Replay::new(params, setup.layout.clone(), stream(StreamName::Replay));
+                let stream = stream(StreamName::Replay);
+                let repair = Repair::new(&reward, setup.layout.clone(), stream);
+                let repair = plus.repair.then_some(repair);
                 let model = model(reward.clone());
-                Box::new(XcscrPlus::new(combined(reward), model, replay))
+                Box::new(XcscrPlus::new(combined(reward), model, repair))
             }
             Self::RMax => Box::new(RMax::new(model(reward.clone()), reward)),
             Self::QLearning => table(Algorithm::QLearning),

@@ -27,7 +27,7 @@ pub use explorer::Explorer;
 pub use knowledge::{Frozen, Knowledge, Misfit};
 pub use method::{Method, Setup};
 pub use model::{CollisionRule, Generalisation, InverseActionRule};
-pub use plus::{EnvironmentLearner, EnvironmentParams, PlusParams};
+pub use plus::PlusParams;
 pub use tabular::TabularParams;
 pub use with_history::WithHistory;
 
@@ -92,6 +92,15 @@ impl EndCredit {
     }
 }
 
+/// How often rules were updated: each update is of one action set.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct RuleUpdates {
+    /// Updates with rewards of real steps, or of stored policies.
+    pub experience: u64,
+    /// Updates with the plan of a learned model, and rules added for it.
+    pub model: u64,
+}
+
 /// A learner with its credit assignment.
 ///
 /// Each episode begins with [`begin_episode`](Self::begin_episode). Each step calls
@@ -146,6 +155,11 @@ pub trait Agent {
 
     /// Returns the number of macro-classifiers in \[P\], or of stored pairs of a tabular method.
     fn rule_count(&self) -> usize;
+
+    /// Returns how often rules were updated so far. By default, there are no rules.
+    fn rule_updates(&self) -> RuleUpdates {
+        RuleUpdates::default()
+    }
 
     /// Returns the history that follows a percept at the beginning of an episode. By default, no steps are kept.
     fn first_history(&self) -> History {

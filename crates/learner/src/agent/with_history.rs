@@ -1,6 +1,8 @@
 //! A learner whose percepts are followed by the last steps of the episode.
 
-use crate::agent::{Agent, Choice, EndCredit, Explorer, Knowledge, StepCredit, Transition};
+use crate::agent::{
+    Agent, Choice, EndCredit, Explorer, Knowledge, RuleUpdates, StepCredit, Transition,
+};
 use xcs::{Percept, PredictionArray};
 use xcscr_robot::sensor::History;
 
@@ -79,6 +81,10 @@ impl Agent for WithHistory {
 
     fn rule_count(&self) -> usize {
         self.agent.rule_count()
+    }
+
+    fn rule_updates(&self) -> RuleUpdates {
+        self.agent.rule_updates()
     }
 
     fn first_history(&self) -> History {

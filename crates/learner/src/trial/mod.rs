@@ -33,9 +33,9 @@ pub use settings_error::{SettingOrigin, SettingsError};
 pub use toml_text::{MOST_TOML_BYTES, shortened};
 pub use unread::{Unread, why_unread};
 pub use warning::Warning;
-pub use why::{Change, WeightedRule, Why};
+pub use why::{WeightedRule, Why};
 
-use crate::agent::{Agent, Chosen, Explorer};
+use crate::agent::{Agent, Chosen, Explorer, RuleUpdates};
 use crate::episode::{
     self, BestChoices, Episode, MistakeCounter, Mistakes, Observer, PolicyMap, Start,
 };
@@ -87,6 +87,9 @@ pub struct Progress {
     /// Episodes after which a policy was imprinted (Alg. 2).
     #[serde(default)]
     pub imprintings: u32,
+    /// The number of updates of rules, by their source.
+    #[serde(default)]
+    pub rule_updates: RuleUpdates,
 }
 
 impl Progress {
@@ -220,6 +223,7 @@ impl Trial {
         progress.chosen.add(&episode.chosen);
         progress.filter_firings += u64::from(episode.filter_firings);
         progress.imprintings += u32::from(episode.imprinted);
+        progress.rule_updates = self.method.rule_updates();
         progress.reached_goal += u32::from(episode.ending == episode::Ending::Goal);
         progress.most_rules = progress.most_rules.max(episode.rules);
         if progress.first_optimal_episode.is_none() {

@@ -81,7 +81,7 @@ impl Settings {
                 episode.explore = 0.4;
             }
             Method::XcscrPlus => {
-                xcs.dont_care = 0.5;
+                xcs.dont_care = 0.2;
                 reward.step_threshold = 600;
                 reward.sharing = Sharing::Even;
                 reward.beta_collision = 0.05;

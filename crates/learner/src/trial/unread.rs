@@ -78,7 +78,7 @@ fn reads(method: Method, key: &str) -> bool {
         ("tabular", "lambda") => method == Method::SarsaLambda,
         ("tabular", "replays") => method == Method::DynaQ,
         ("tabular", _) => is_tabular,
-        ("plus", "replay" | "guided_covering") => method == Method::XcscrPlus,
+        ("plus", "repair") => method == Method::XcscrPlus,
         ("plus", _) => matches!(method, Method::XcscrPlus | Method::RMax),
         ("reward", "xcs_payment" | "xcs_step_limit") => is_standard,
         ("reward", "gamma") => method != Method::AdaptedEven,
@@ -110,8 +110,8 @@ mod tests {
     fn a_setting_that_nothing_reads_is_named_with_its_readers() {
         let said = |method, set| unread(method, ArenaKind::Grid, set);
         assert_eq!(
-            said(Method::QLearning, "plus.replay=false"),
-            ["--set: `plus.replay` has no effect: only `xcscr-plus` reads it"]
+            said(Method::QLearning, "plus.repair=false"),
+            ["--set: `plus.repair` has no effect: only `xcscr-plus` reads it"]
         );
         assert_eq!(
             said(Method::AdaptedEven, "reward.theta_x=0.1"),
@@ -123,7 +123,7 @@ mod tests {
             said(Method::XcscrPlus, "physics.noise=2"),
             ["--set: `physics.noise` has no effect: the arena `grid` has no robot"]
         );
-        assert_eq!(said(Method::XcscrPlus, "plus.replay=false"), [""; 0]);
+        assert_eq!(said(Method::XcscrPlus, "plus.repair=false"), [""; 0]);
         assert_eq!(said(Method::Xcscr, "reward.imprinting=false"), [""; 0]);
         let in_physics = unread(Method::RMax, ArenaKind::Physics, "physics.noise=2");
         assert_eq!(in_physics, [""; 0]);

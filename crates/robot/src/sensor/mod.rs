@@ -6,7 +6,6 @@
 //! perfect lidar.
 
 mod aliasing;
-mod changes;
 mod history;
 mod lidar;
 mod neighbours;

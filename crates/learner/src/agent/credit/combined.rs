@@ -19,7 +19,7 @@ use crate::agent::credit::policy::{Place, Policy, without_loops};
 use crate::agent::credit::stack::{RewardStack, Shares};
 use crate::agent::credit::step_credit;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::{Agent, EndCredit, StepCredit, Transition};
+use crate::agent::{Agent, EndCredit, RuleUpdates, StepCredit, Transition};
 use xcs::Percept;
 use xcs::random::Stream;
 use xcs::{MatchSet, Population, PredictionArray, Xcs};
@@ -164,5 +164,12 @@ impl Agent for Combined {
 
     fn rule_count(&self) -> usize {
         self.xcs.population().len()
+    }
+
+    fn rule_updates(&self) -> RuleUpdates {
+        RuleUpdates {
+            experience: self.xcs.updates(),
+            model: 0,
+        }
     }
 }

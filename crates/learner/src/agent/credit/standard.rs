@@ -4,7 +4,7 @@ use crate::agent::credit::params::{Params, StepLimitUpdate, XcsPayment};
 use crate::agent::credit::step_credit;
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit, Transition};
+use crate::agent::{Agent, Choice, DecisionSource, EndCredit, RuleUpdates, StepCredit, Transition};
 use xcs::Percept;
 use xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
 
@@ -130,5 +130,12 @@ impl Agent for Standard {
 
     fn rule_count(&self) -> usize {
         self.xcs.population().len()
+    }
+
+    fn rule_updates(&self) -> RuleUpdates {
+        RuleUpdates {
+            experience: self.xcs.updates(),
+            model: 0,
+        }
     }
 }

@@ -64,17 +64,6 @@ impl Outcomes {
         &self.all
     }
 
-    /// Returns true if different percepts followed, or a percept and an end of the episode.
-    pub fn vary(&self) -> bool {
-        self.all.windows(2).any(|pair| pair[0].next != pair[1].next)
-    }
-
-    /// Returns the least reward so far; `None` for an untried pair.
-    pub fn least_reward(&self) -> Option<f64> {
-        let rewards = self.all.iter().map(|outcome| outcome.reward);
-        rewards.reduce(f64::min)
-    }
-
     /// Returns the percept that always followed; `None` for several ones, a goal, or an untried pair.
     pub fn only_next(&self) -> Option<usize> {
         match self.all[..] {

@@ -26,9 +26,6 @@ pub struct Transitions {
     /// The pairs in the order of their first try.
     tried: Vec<(usize, Action)>,
     slips: Slips,
-    /// The tries after the first one that make a pair known if no moves slip. A setting, not
-    /// learned.
-    further_tries: u32,
 }
 
 impl Transitions {
@@ -92,22 +89,12 @@ impl Transitions {
         is_news
     }
 
-    /// Sets the number of tries that make a pair known if no moves slip; at least one.
-    pub fn require(&mut self, tries: u32) {
-        self.further_tries = tries.max(1) - 1;
-    }
-
-    /// Returns the number of tries that make a pair known if no moves slip: one by default.
-    pub fn required_tries(&self) -> u32 {
-        self.further_tries + 1
-    }
-
-    /// Returns true if the effect of a pair is known: after the required tries if no moves slip.
+    /// Returns true if the effect of a pair is known: after one try if no moves slip.
     pub fn is_known(&self, percept: usize, action: Action) -> bool {
         let outcomes = self.outcomes(percept, action);
         match self.slips.any() {
             true => outcomes.leads_to != Leads::Unknown,
-            false => outcomes.tries() > self.further_tries,
+            false => outcomes.tries() > 0,
         }
     }
 

@@ -24,11 +24,6 @@ const NEGLIGIBLE_ODDS: f64 = 1e-5;
 /// The same if moves slip and all values depend on each other. With 1e-9 a step takes 1.5 times as long in 40 x 40
 /// rooms.
 const NEGLIGIBLE_SLIPPING: f64 = 1e-7;
-/// Optimistic values are at most this share of the value of an unknown pair too great. Without a limit,
-/// those of cycles would fall forever.
-const NEGLIGIBLE_OPTIMISM: f64 = 1e-5;
-/// The same if results vary, and all values depend on each other.
-const NEGLIGIBLE_OPTIMISM_IF_VARYING: f64 = 1e-3;
 /// The maximum discount; above it values would have no floor.
 const GREATEST_DISCOUNT: f64 = 0.999_999;
 /// The number of value updates allowed at the beginning; each step allows `UPDATES_PER_STEP` more.
@@ -47,9 +42,6 @@ const MOST_ENTRIES: usize = 4;
 /// the tried pairs and, until they are tried, the predicted returns of moves. Exploration does not try predicted
 /// returns, so the examples must rely on them.
 ///
-/// With a value for unknown pairs, the values are optimistic: upper bounds, for exploration (R-max, Brafman and
-/// Tennenholtz 2002).
-///
 /// Values are relative to the value of walking for ever, `step / (1 - gamma)`. A value is then
 /// `gamma` to the power of the steps to the goal, times a constant. It stays exact thousands of
 /// steps away, and 0 means that no path is known.
@@ -58,8 +50,6 @@ pub(in crate::agent) struct PlannedValues {
     actions: usize,
     gamma: f64,
     step: f64,
-    /// The value of an unknown pair above the floor; `None` if plans use known pairs only.
-    unknown: Option<f64>,
     /// By the number of the percept.
     values: Vec<f64>,
     /// By percept: the pairs that led to it.
@@ -81,7 +71,6 @@ impl PlannedValues {
             actions,
             gamma: params.gamma.min(GREATEST_DISCOUNT),
             step: params.step,
-            unknown: None,
             values: Vec::new(),
             before: Vec::new(),
             returns: InverseActionRules::new(actions),
@@ -92,34 +81,10 @@ impl PlannedValues {
         }
     }
 
-    /// Sets the reward of a step, and the value of unknown pairs above the floor. With a value, all values are
-    /// optimistic.
-    pub fn assume(&mut self, step: f64, unknown: Option<f64>) {
-        (self.step, self.unknown) = (step, unknown);
-    }
-
-    /// Computes all values anew.
-    pub fn restart(&mut self, model: &Transitions) {
-        self.values.fill(self.unknown.unwrap_or(0.0));
-        self.updates = self.updates.max(FIRST_UPDATES);
-        (0..self.values.len()).for_each(|percept| self.push(percept, self.values[percept]));
-        self.propagate(model, usize::MAX, NEGLIGIBLE);
-    }
-
-    /// Continues with waiting updates.
-    pub fn settle(&mut self, model: &Transitions) {
-        self.updates = self.updates.saturating_add(UPDATES_PER_STEP);
-        let negligible = match model.required_tries() {
-            1 => NEGLIGIBLE,
-            _ => NEGLIGIBLE_ODDS,
-        };
-        self.propagate(model, UPDATES_FOR_ODDS, negligible);
-    }
-
     /// Makes room for the values of new percepts.
-    pub fn meet(&mut self, model: &Transitions) {
+    fn meet(&mut self, model: &Transitions) {
         let met = model.percepts().len();
-        self.values.resize(met, self.unknown.unwrap_or(0.0));
+        self.values.resize(met, 0.0);
         self.before.resize(met, Vec::new());
         self.stale.resize(met, false);
     }
@@ -168,24 +133,19 @@ impl PlannedValues {
             .predicted_return(model, before, (percept, action))
     }
 
-    /// Records that a pair led to a percept.
-    pub fn link(&mut self, model: &Transitions, pair: (usize, Action), next: Option<usize>) {
+    /// Records the successor of a pair, and propagates the change.
+    pub fn learn(&mut self, model: &Transitions, pair: (usize, Action), next: Option<usize>) {
         self.meet(model);
         if let Some(next) = next
             && !self.before[next].contains(&pair)
         {
             self.before[next].push(pair);
         }
-    }
-
-    /// Records the successor of a pair, and propagates the change.
-    pub fn learn(&mut self, model: &Transitions, pair: (usize, Action), next: Option<usize>) {
-        self.link(model, pair, next);
-        let is_new = model.outcomes(pair.0, pair.1).tries() == model.required_tries();
+        let is_new = model.outcomes(pair.0, pair.1).tries() == 1;
         let (most, negligible) = match is_new {
             _ if model.slips().any() => (UPDATES_FOR_ODDS, NEGLIGIBLE_SLIPPING),
-            true if model.required_tries() == 1 => (usize::MAX, NEGLIGIBLE),
-            _ => (UPDATES_FOR_ODDS, NEGLIGIBLE_ODDS),
+            true => (usize::MAX, NEGLIGIBLE),
+            false => (UPDATES_FOR_ODDS, NEGLIGIBLE_ODDS),
         };
         self.update(model, pair.0, negligible);
         // The prediction of a return may have changed there.
@@ -243,9 +203,6 @@ impl PlannedValues {
     /// is not known.
     fn value_of(&self, model: &Transitions, percept: usize, action: Action) -> Option<f64> {
         if !model.is_known(percept, action) {
-            if self.unknown.is_some() {
-                return self.unknown;
-            }
             let back = self.predicted_return(model, percept, action)?;
             return Some(self.gamma * self.values[back]);
         }
@@ -286,21 +243,12 @@ impl PlannedValues {
             false => self.greatest(model, percept),
         };
         let old = std::mem::replace(&mut self.values[percept], value);
-        if self.unknown.is_none() {
-            self.touched.push(percept);
-        }
+        self.touched.push(percept);
         if value == old {
             return;
         }
         let greater = value.max(old);
-        let least = match self.unknown {
-            Some(unknown) if model.required_tries() > 1 => {
-                NEGLIGIBLE_OPTIMISM_IF_VARYING * (1.0 - self.gamma) * unknown
-            }
-            Some(unknown) => NEGLIGIBLE_OPTIMISM * (1.0 - self.gamma) * unknown,
-            None => negligible * greater,
-        };
-        let is_great = (value - old).abs() > least;
+        let is_great = (value - old).abs() > negligible * greater;
         // A return may lead here from where its own moves lead.
         let own = Action::all(self.actions).filter_map(|action| model.next(percept, action));
         let before = std::mem::take(&mut self.before[percept]);

@@ -1,31 +1,30 @@
 //! `xcscr-plus`: XCSCR plus a learned model of the world.
 //!
-//! The classifier system and its four mechanisms are those of `xcscr` ([`Combined`]). The model adds three parts:
+//! The classifier system and its four mechanisms are those of `xcscr` ([`Combined`]). The model adds two parts:
 //! * **Planned exploration**: while an untried action may be better than all known ones, the planner leads there. It
 //!   never chooses an action that exploits; the rules do.
-//! * **Replay**: imprinting (Alg. 4) with the plan in place of \[PS\]. After each step, known percepts are replayed with
-//!   the reward of a success for the best actions, and that of a failure for all others.
-//! * **Guided covering**: a percept that the rules still decide wrongly at the end of an episode gets the most general
-//!   rules that no known percept contradicts.
+//! * **Repair**: where experience contradicts the rules, and at the end of an episode wherever the robot was, rules that
+//!   choose a worse action than the plan are corrected by guided covering.
+//!
+//! Real rewards, \[R\] and the four mechanisms work as in `xcscr`. In a world that does not change they are redundant: the
+//! model contains all that they could say.
 //!
 //! `r-max` is the same model with its plan as the policy.
 
-mod environment;
 mod params;
 mod r_max;
-mod replay;
+mod repair;
 mod world_model;
 
-pub use environment::{EnvironmentLearner, EnvironmentParams};
 pub use params::PlusParams;
 pub use r_max::RMax;
-pub use replay::{Replay, ReplayParams};
+pub use repair::Repair;
 pub use world_model::WorldModel;
 
 use crate::agent::credit::Combined;
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::{Agent, Choice, DecisionSource, EndCredit, StepCredit, Transition};
+use crate::agent::{Agent, Choice, DecisionSource, EndCredit, RuleUpdates, StepCredit, Transition};
 use xcs::{Action, Percept, PredictionArray};
 
 /// The method `xcscr-plus`.
@@ -33,18 +32,19 @@ use xcs::{Action, Percept, PredictionArray};
 pub struct XcscrPlus {
     credit: Combined,
     model: WorldModel,
-    replay: Replay,
+    /// `None` if the rules are not repaired.
+    repair: Option<Repair>,
     /// The next step of exploration; `None` if the rules decide.
     heading: Option<Action>,
 }
 
 impl XcscrPlus {
     /// Creates an untrained learner.
-    pub fn new(credit: Combined, model: WorldModel, replay: Replay) -> Self {
+    pub fn new(credit: Combined, model: WorldModel, repair: Option<Repair>) -> Self {
         Self {
             credit,
             model,
-            replay,
+            repair,
             heading: None,
         }
     }
@@ -81,16 +81,26 @@ impl Agent for XcscrPlus {
     fn update(&mut self, step: &Transition<'_>) -> StepCredit {
         let credit = self.credit.update(step);
         self.model.learn(step);
-        self.replay.learn(self.model.examples());
-        self.replay.after_step(self.credit.xcs_mut(), step.next);
+        let Some(repair) = &mut self.repair else {
+            return credit;
+        };
+        let here = self.model.number_of(step.percept);
+        let contradicted = here.is_some_and(|number| repair.is_contradicted(step, number));
+        if contradicted && self.heading.is_none() {
+            repair.learn(self.model.examples());
+            let next = step.next.and_then(|next| self.model.number_of(next));
+            repair.correct(self.credit.xcs_mut(), here.into_iter().chain(next));
+        }
         credit
     }
 
     fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
         let end = self.credit.end_episode(reached_goal);
         self.model.end_episode();
-        self.replay.learn(self.model.examples());
-        self.replay.after_episode(self.credit.xcs_mut());
+        if let Some(repair) = &mut self.repair {
+            repair.learn(self.model.examples());
+            repair.end_episode(self.credit.xcs_mut(), reached_goal);
+        }
         end
     }
 
@@ -118,5 +128,14 @@ impl Agent for XcscrPlus {
 
     fn rule_count(&self) -> usize {
         self.credit.rule_count()
+    }
+
+    fn rule_updates(&self) -> RuleUpdates {
+        let all = self.credit.rule_updates().experience;
+        let model = self.repair.as_ref().map_or(0, Repair::updates);
+        RuleUpdates {
+            experience: all.saturating_sub(model),
+            model,
+        }
     }
 }

@@ -5,15 +5,13 @@ use xcs::settings;
 settings! {
     section "plus";
 
-    /// Parts of `xcscr-plus` and `r-max`, each with its switch. `replay` and `guided_covering` are read by `xcscr-plus`
-    /// only. Rewards, discount and step threshold are those of all methods (`reward.*`).
+    /// Parts of `xcscr-plus` and `r-max`, each with its switch. `repair` is read by `xcscr-plus` only. Rewards, discount
+    /// and step threshold are those of all methods (`reward.*`).
     pub struct PlusParams {
-        /// Replay known percepts after each step, with the reward of a success for the best actions of the plan. Without
-        /// it, there is no guided covering either.
-        replay: bool = true;
-        /// Add the most general rules that no known percept contradicts: at the end of an episode, and after a step for
-        /// the next percept if the rules disagree with the plan there.
-        guided_covering: bool = true;
+        /// Correct rules by guided covering where experience contradicts them: after a collision or a second visit of a
+        /// place while the rules decide, in the percepts that were visited at the end of an episode, and in all known
+        /// percepts after a failure.
+        repair: bool = true;
         /// Explore along planned paths toward untried actions. Without it, exploration is random
         /// (p_explr).
         planned_exploration: bool = true;

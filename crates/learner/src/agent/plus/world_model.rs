@@ -162,6 +162,11 @@ impl WorldModel {
         }
     }
 
+    /// Returns the number of a percept; `None` if it was never met.
+    pub fn number_of(&self, percept: &Percept) -> Option<usize> {
+        self.transitions.number_of(percept)
+    }
+
     /// Returns the percepts whose best actions may have changed since the last call, by number.
     pub fn examples(&mut self) -> Vec<(usize, LabelledExample)> {
         self.plan.news(&self.transitions)

@@ -55,8 +55,7 @@ impl PlannedValues {
     fn labelled_example(&self, model: &Transitions, percept: usize) -> LabelledExample {
         let value = self.values[percept];
         // Values of uncertain moves are not settled to the last digit.
-        let is_uncertain = model.slips().any() || model.required_tries() > 1;
-        let greatest = match is_uncertain {
+        let greatest = match model.slips().any() {
             true => self.greatest(model, percept),
             false => value,
         };
