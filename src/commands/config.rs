@@ -20,7 +20,7 @@ pub struct ConfigArgs {
     #[arg(long, value_name = "FILE")]
     world: Option<PathBuf>,
     /// Print the settings of this method: defaults belong to a method.
-    #[arg(long, value_name = "METHOD", default_value = Method::XcscrPlus.name(), value_parser = choices::method())]
+    #[arg(long, value_name = "METHOD", default_value = Method::default().name(), value_parser = choices::method())]
     method: Method,
     /// Print one JSON document: each setting with its value, origin, range and description.
     #[arg(long)]

@@ -33,13 +33,13 @@ pub struct TrainArgs {
     #[arg(required_unless_present = "resume")]
     world: Option<PathBuf>,
     /// Learning method.
-    #[arg(long, default_value = "xcscr-plus", value_parser = choices::method())]
+    #[arg(long, default_value = Method::default().name(), value_parser = choices::method())]
     method: Method,
     /// Arena of the robot: simulated physics, or a plain grid.
     #[arg(long, default_value = "physics", value_parser = choices::arena())]
     arena: ArenaKind,
-    /// Percept of the robot [default: lidar-position in physics; on the grid neighbours, or
-    /// neighbours-position where cells share a percept but need different actions].
+    /// Percept of the robot [default: lidar in physics, neighbours on the grid; with -position where
+    /// cells share a percept but need different actions].
     #[arg(long, value_parser = choices::sensor())]
     sensor: Option<Sensor>,
     /// Number of episodes.
@@ -132,6 +132,9 @@ fn begin(args: &TrainArgs) -> Result<(Session, Interrupt), Failure> {
     for setting in unread {
         say(&format!("warning: {setting}"));
     }
+    if args.sensor.is_none() && plan.config.sensor != Sensor::usual_in(args.arena) {
+        say(&position_note(&plan));
+    }
     say_warnings(&plan);
     let trial = Trial::new(plan)?;
     let folder = RunFolder::create(&path, args.force)?;
@@ -156,6 +159,17 @@ fn watch(folder: &RunFolder) -> Result<Interrupt, Failure> {
         Failure::new(ErrorKind::Interrupted, message)
     };
     Interrupt::watch(shutdown_message)
+}
+
+/// Explains why the default percept includes the position.
+fn position_note(plan: &Plan) -> String {
+    let Config { arena, sensor, .. } = &plan.config;
+    format!(
+        "note: no policy on the percept `{}` is optimal here, because cells share a percept but need different actions; \
+         the robot also perceives its position (`{}`)",
+        Sensor::usual_in(*arena).name(),
+        sensor.name()
+    )
 }
 
 /// Prints the warnings about a plan on stderr.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use xcscr::agent::{Chosen, RuleUpdates};
+use xcscr::agent::{Chosen, Method, RuleUpdates};
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
@@ -42,6 +42,8 @@ pub struct TrainReport {
     greedy_steps: Option<u32>,
     /// True if the greedy policy is globally optimal at the end.
     retained: bool,
+    /// Episodes after which the greedy policy was globally optimal.
+    optimal_episodes: u32,
     /// Episodes that reached a goal.
     reached_goal: u32,
     steps: u64,
@@ -94,6 +96,7 @@ impl TrainReport {
                 .filter(|path| path.last().is_some_and(|&cell| maze.is_goal(cell)))
                 .map(|path| path.len() as u32 - 1),
             retained: progress.optimal,
+            optimal_episodes: progress.optimal_episodes,
             reached_goal: progress.reached_goal,
             steps: progress.steps,
             collisions: progress.collisions,
@@ -135,6 +138,7 @@ impl TrainReport {
         writeln!(out, "{}", self.headline())?;
         write_row(out, "shortest path", self.shortest_path())?;
         write_row(out, "first optimal", self.first_optimal())?;
+        write_row(out, "policy optimal", self.optimal_after())?;
         write_row(out, "greedy policy", self.greedy())?;
         self.print_failure(trial, out)?;
         write_row(out, "reached the goal", self.arrivals())?;
@@ -143,6 +147,9 @@ impl TrainReport {
         self.print_mechanisms(out)?;
         write_row(out, "steps chosen by", self.chosen)?;
         write_row(out, self.counted, self.rule_counts())?;
+        if let Some(advice) = self.advice() {
+            write_row(out, "what helps", advice)?;
+        }
         self.print_files(recording, out)
     }
 
@@ -175,8 +182,39 @@ impl TrainReport {
         Ok(())
     }
 
+    /// Returns what to try if no episode reached a goal, or no policy was optimal.
+    fn advice(&self) -> Option<String> {
+        let plus = Method::XcscrPlus.name();
+        let explores_by_chance = self.chosen.planner == 0;
+        match (self.reached_goal, self.first_optimal_episode) {
+            (0, _) if explores_by_chance => Some(format!(
+                "`--method {plus}` explores with a model; the way is too long for chance"
+            )),
+            (0, _) => Some("more episodes (`--episodes`)".to_owned()),
+            (_, None) if explores_by_chance => Some(format!(
+                "more episodes (`--episodes`), or `--method {plus}`"
+            )),
+            (_, None) => Some("more episodes (`--episodes`)".to_owned()),
+            _ => None,
+        }
+    }
+
+    fn optimal_after(&self) -> String {
+        format!(
+            "after {} of {} episodes",
+            self.optimal_episodes, self.episodes
+        )
+    }
+
+    /// Describes how many episodes reached a goal. Exploring steps lead away from it, so a reader must see them together.
     fn arrivals(&self) -> String {
-        format!("in {} of {} episodes", self.reached_goal, self.episodes)
+        let arrivals = format!("in {} of {} episodes", self.reached_goal, self.episodes);
+        let explored = self.chosen.planner + self.chosen.chance;
+        if explored == 0 {
+            return arrivals;
+        }
+        let share = 100.0 * explored as f64 / self.steps as f64;
+        format!("{arrivals}, exploring in {share:.0} % of the steps")
     }
 
     fn rule_counts(&self) -> String {

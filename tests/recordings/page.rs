@@ -303,7 +303,7 @@ fn the_page_of_a_study_is_that_of_its_best_trial() {
     let seed = &rows[best]["seed"];
     desk.train(
         "run",
-        &format!("maze4 --arena grid --episodes 5 --seed {seed}"),
+        &format!("maze4 --method xcscr-plus --arena grid --episodes 5 --seed {seed}"),
     );
     desk.ok("replay @run --html @run.html");
     let decisions = |page: &str| data(&desk.text(page))["decisions"].clone();

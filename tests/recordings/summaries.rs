@@ -15,7 +15,7 @@ fn a_run_is_summed_up_on_one_screen() {
     let desk = Desk::new();
     desk.train("run", GRID);
     let summary = desk.ok("recording info @run");
-    let head = "maze4: xcscr-plus on grid, neighbours, seed 1, 12 episodes\n";
+    let head = "maze4: xcscr on grid, neighbours, seed 1, 12 episodes\n";
     assert!(summary.starts_with(head), "{summary}");
     assert!(summary.contains("13 recordings, "), "{summary}");
     assert!(summary.lines().count() <= 20, "{summary}");

@@ -131,8 +131,8 @@ fn the_links_name_the_files_and_the_layout_of_each_kind() {
     desk.train("run", GRID);
     let text = Served::new(&desk, "@run").lines.concat();
     for words in [
-        "Episodes in maze4: xcscr-plus, seed 1 (the last 10 of 12)",
-        "The whole run in maze4: xcscr-plus, seed 1\n",
+        "Episodes in maze4: xcscr, seed 1 (the last 10 of 12)",
+        "The whole run in maze4: xcscr, seed 1\n",
     ] {
         assert!(text.contains(words), "{text}");
     }
@@ -160,7 +160,7 @@ fn recordings_of_two_mazes_come_with_a_layout_each() {
     let server = Served::new(&desk, "@small/ep-0001.mcap @large/ep-0001.mcap");
     let text = server.lines.concat();
     for (maze, path, run) in [("maze4", "/0", "small"), ("maze6", "/2", "large")] {
-        let heading = format!("Episodes in {maze}: xcscr-plus, seed 1\n");
+        let heading = format!("Episodes in {maze}: xcscr, seed 1\n");
         assert!(text.contains(&heading), "{text}");
         let (_, layout) = server.ask("GET", &format!("{path}/foxglove-layout.json"), "");
         let expected = desk.read(&format!("{run}/foxglove-layout.json"));
@@ -177,7 +177,7 @@ fn recordings_of_two_runs_in_one_maze_never_share_a_link() {
     let server = Served::new(&desk, "@one/ep-0001.mcap @two/ep-0001.mcap");
     let text = server.lines.concat();
     for seed in [1, 2] {
-        let heading = format!("Episodes in maze4: xcscr-plus, seed {seed}\n");
+        let heading = format!("Episodes in maze4: xcscr, seed {seed}\n");
         assert!(text.contains(&heading), "{text}");
     }
     let links = text.lines().filter(|line| line.contains("ds.url="));

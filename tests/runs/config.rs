@@ -62,5 +62,5 @@ fn config_show_prints_the_defaults_of_a_method() {
     let file = desk.ok("config show --method xcscr");
     let mut lines = file.lines();
     let line = lines.find(|line| line.starts_with("xcs.dont_care "));
-    assert!(line.unwrap().contains("= 0.05 "), "{file}");
+    assert!(line.unwrap().contains("= 0.02 "), "{file}");
 }

@@ -17,6 +17,7 @@ use xcscr_robot::streams::StreamName;
     Copy,
     PartialEq,
     Eq,
+    Default,
     serde::Serialize,
     serde::Deserialize,
     IntoStaticStr,
@@ -34,6 +35,7 @@ pub enum Method {
     /// XCS adapted to robots, reward discounted (Eq. 7 and 9).
     AdaptedDiscounted,
     /// The paper's combined reward method.
+    #[default]
     Xcscr,
     /// `xcscr` in which two co-evolving XCS decide what is imprinted.
     XcscrCoevolved,

@@ -163,12 +163,12 @@ impl Default for Config {
     fn default() -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            method: Method::XcscrPlus,
+            method: Method::default(),
             arena: ArenaKind::Physics,
             sensor: Sensor::usual_in(ArenaKind::Physics),
             episodes: 180,
             seed: 1,
-            settings: Settings::of(Method::XcscrPlus),
+            settings: Settings::of(Method::default()),
             initial: None,
         }
     }

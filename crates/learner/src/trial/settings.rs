@@ -75,10 +75,11 @@ impl Settings {
                 (reward.step_threshold, reward.gamma) = (600, 0.8);
             }
             Method::Xcscr | Method::XcscrCoevolved => {
-                (xcs.population_size, xcs.dont_care, xcs.mu) = (3200, 0.05, 0.05);
-                (reward.step_threshold, reward.gamma) = (600, 0.8);
+                (xcs.population_size, xcs.dont_care, xcs.mu) = (3200, 0.02, 0.05);
+                xcs.epsilon_0 = 1.0;
+                reward.step_threshold = 600;
                 reward.beta_collision = 0.05;
-                episode.explore = 0.4;
+                episode.explore = 0.5;
             }
             Method::XcscrPlus => {
                 xcs.dont_care = 0.2;

@@ -108,11 +108,7 @@ impl Warning {
                 (steps <= MOST_STEPS).then(|| format!("`--set reward.step_threshold={steps}`"))
             }
             Self::Aliased { sensor, .. } => {
-                let with_position = match sensor.is_sensed() {
-                    true => Sensor::LidarPosition,
-                    false => Sensor::NeighboursPosition,
-                };
-                Some(format!("`--sensor {}`", with_position.name()))
+                Some(format!("`--sensor {}`", sensor.with_position().name()))
             }
             Self::TimeOut { move_s, .. } => {
                 let time_out_s = (3.0 * move_s).ceil();

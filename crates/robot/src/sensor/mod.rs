@@ -55,23 +55,33 @@ impl Sensor {
     /// All sensors.
     pub const ALL: &[Self] = Self::VARIANTS;
 
-    /// Returns the default sensor of an arena. In physics this is the robot's lidar with the estimated position. On the
-    /// grid it is the percept of the literature on learning classifier systems.
+    /// Returns the default sensor of an arena: the surroundings of the robot, as the literature on learning classifier
+    /// systems has them on the grid, and as a lidar sees them in physics.
     pub fn usual_in(arena: ArenaKind) -> Self {
         match arena {
-            ArenaKind::Physics => Self::LidarPosition,
+            ArenaKind::Physics => Self::Lidar,
             ArenaKind::Grid => Self::Neighbours,
         }
     }
 
-    /// Returns the default sensor for learning in a maze: [`usual_in`](Self::usual_in), or on the grid
-    /// `neighbours-position` if `neighbours` does not distinguish cells on shortest paths that need different actions.
+    /// Returns the default sensor for learning in a maze: [`usual_in`](Self::usual_in),
+    /// [with the position](Self::with_position) if no policy on the surroundings is optimal.
     pub fn usual_for(arena: ArenaKind, maze: &Maze) -> Self {
-        match Self::usual_in(arena) {
-            Self::Neighbours if Self::Neighbours.misleads(maze, &Paths::new(maze)) => {
-                Self::NeighboursPosition
-            }
-            usual => usual,
+        let usual = Self::usual_in(arena);
+        if usual.misleads(maze, &Paths::new(maze)) {
+            usual.with_position()
+        } else {
+            usual
+        }
+    }
+
+    /// Returns the sensor that also gives column and row of the robot's cell.
+    #[must_use]
+    pub fn with_position(self) -> Self {
+        match self {
+            Self::Neighbours | Self::NeighboursPosition => Self::NeighboursPosition,
+            Self::Position => Self::Position,
+            Self::Lidar | Self::LidarPosition => Self::LidarPosition,
         }
     }
 

@@ -109,7 +109,7 @@ settings! {
         /// Enable imprinting after failures (`xcscr`, `xcscr-coevolved` and `xcscr-plus`).
         imprinting: bool = true;
         /// Store policies for imprinting without their loops: the steps between two visits to a cell are dropped.
-        loop_erasure: bool = false;
+        loop_erasure: bool = true;
         /// Enable learning-rate switching (`xcscr`, `xcscr-coevolved` and `xcscr-plus`). Without it, all updates use
         /// `xcs.beta`.
         learning_rate_switching: bool = true;
