@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::Error;
 use crate::record::event::{End, Learned};
 use crate::record::reader::Recording;
-use crate::record::topics::{Topic, decoded};
+use crate::record::topics::Topic;
 use crate::world::Maze;
 
 /// The number of episodes that are shown because they changed the policy most.
@@ -62,8 +62,8 @@ pub fn chapters(run: &Recording, maze: &Maze) -> Result<Vec<Chapter>, Error> {
         let message = message?;
         match Topic::named(message.topic()) {
             Some(Topic::Values) => {
-                let grid = decoded(&message.data).and_then(|grid| Learned::of_grid(&grid, maze));
-                let now = grid.map_err(|fault| run.damaged(fault))?;
+                let now = Learned::of_message(&message.data, maze);
+                let now = now.map_err(|fault| run.damaged(fault))?;
                 changed = now.changes_from(&learned);
                 learned = now;
             }

@@ -1,5 +1,6 @@
 //! Reading the facts of a recording for a page.
 
+use foxglove::Decode;
 use foxglove::messages::Odometry;
 use strum::VariantArray;
 
@@ -11,7 +12,7 @@ use crate::record::colours::{ABOVE, BELOW, NO_GOAL, SCALE};
 use crate::record::event::{Contact, Curve, Decision, End, Learned, StepOutcome};
 use crate::record::info::{self, RADIUS, RunKind};
 use crate::record::reader::{Message, Recording};
-use crate::record::topics::{Ellipse, decimal, decoded, percept};
+use crate::record::topics::{Ellipse, decimal, percept};
 use crate::record::{RobotShape, Topic, fault};
 use crate::sensor::Sensor;
 use crate::world::{Cell, CellState, Maze};
@@ -126,20 +127,20 @@ impl Reader {
 
     fn add(&mut self, recording: &Recording, topic: Topic, message: &Message) -> Result<(), Error> {
         let t = self.passed(message.time_ns);
-        let damaged = |fault: String| recording.damaged(fault);
+        let odometry = || {
+            let odometry = Odometry::decode(&message.data[..]);
+            odometry.map_err(|fault| recording.damaged(fault.to_string()))
+        };
         match topic {
-            Topic::GroundTruth => {
-                let odometry = decoded(&message.data).map_err(damaged)?;
-                self.data.poses.push(pose(t, &odometry));
-            }
+            Topic::GroundTruth => self.data.poses.push(pose(t, &odometry()?)),
             Topic::Estimate => {
-                let odometry: Odometry = decoded(&message.data).map_err(damaged)?;
+                let odometry = odometry()?;
                 self.data.estimated.push(pose(t, &odometry));
                 self.ellipse = Ellipse::of(&odometry);
             }
             Topic::Values => {
-                let grid = decoded(&message.data).map_err(damaged)?;
-                let learned = Learned::of_grid(&grid, &self.maze).map_err(damaged)?;
+                let learned = Learned::of_message(&message.data, &self.maze);
+                let learned = learned.map_err(|fault| recording.damaged(fault))?;
                 let fact = Policy::of(&learned, &self.maze);
                 self.data.learned.push(Timed { t, fact });
             }

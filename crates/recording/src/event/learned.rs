@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use foxglove::Decode;
 use foxglove::messages::{
     Grid, PackedElementField, Pose, Vector2, packed_element_field::NumericType,
 };
@@ -12,6 +13,8 @@ use xcscr_robot::world::{Cell, Maze};
 
 /// The bytes of a cell on the topic before the shares of its actions: three numbers of four bytes, and the best actions.
 const HEAD: usize = 13;
+/// The most bytes of a message beside the data of its cells.
+const MOST_BESIDE: usize = 4096;
 /// The share of an action without a value.
 const UNKNOWN: i8 = i8::MIN;
 /// The least rank and nearness of a cell that has them.
@@ -165,7 +168,18 @@ impl Learned {
     ///
     /// # Errors
     /// What is wrong with the message, as text.
-    pub fn of_grid(grid: &Grid, maze: &Maze) -> Result<Self, String> {
+    pub fn of_message(data: &[u8], maze: &Maze) -> Result<Self, String> {
+        let stride = HEAD + maze.action_count();
+        let most = usize::from(maze.width()) * usize::from(maze.height()) * stride + MOST_BESIDE;
+        // Empty fields take many times their bytes in memory.
+        if data.len() > most {
+            return Err("it is larger than the policy of its maze".to_owned());
+        }
+        let grid = Grid::decode(data).map_err(|fault| fault.to_string())?;
+        Self::of_grid(&grid, maze)
+    }
+
+    fn of_grid(grid: &Grid, maze: &Maze) -> Result<Self, String> {
         let (columns, stride) = (usize::from(maze.width()), HEAD + maze.action_count());
         let is_whole = grid.data.len() == columns * usize::from(maze.height()) * stride;
         if grid.data.is_empty() {

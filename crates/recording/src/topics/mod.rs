@@ -17,9 +17,7 @@ mod scene;
 pub(super) mod trail;
 pub(super) mod transforms;
 pub(super) mod values;
-mod decoded;
 
-pub use decoded::decoded;
 pub use estimate::Ellipse;
 pub(super) use scene::size_m;
 
