@@ -1,5 +1,6 @@
 //! Runs a custom study: a custom agent and two built-in methods, ten paired seeds, one table.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use xcscr::study::{Agents, Protocol, Report, StudyFile, StudyFolder};
@@ -24,7 +25,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let parent = tempfile::tempdir()?;
     let path = parent.path().join("study");
     let mut folder = StudyFolder::open(&path, protocol, false)?.with_agents(agents);
-    folder.run(1, &mut ())?;
+    folder.run(1, &mut |_, _| ControlFlow::Continue(()))?;
     let report = Report::new(&folder).terminal();
     println!("{report}");
     assert_eq!(folder.records().count(), 30);

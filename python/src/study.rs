@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use xcscr::study::{Agents, Protocol, Report, StudyFile, StudyFolder, StudyWatcher, TrialRecord};
+use xcscr::study::{Agents, Protocol, Report, StudyFile, StudyFolder};
 
 use crate::external::{External, Fault};
 use crate::plan::{invalid, warn};
@@ -20,35 +20,6 @@ pub struct Study {
     /// The folder of the study, which stays unlocked between two calls.
     folder: PathBuf,
     fault: Fault,
-}
-
-/// Reports the progress to Python, and ends the study after the running trials when there is an exception.
-struct Watcher {
-    fault: Fault,
-    /// Called with the numbers of finished trials and of all trials of this call.
-    progress: Option<Py<PyAny>>,
-    finished: usize,
-    trials: usize,
-}
-
-impl StudyWatcher for Watcher {
-    fn begins(&mut self, trials: usize) {
-        self.trials = trials;
-    }
-
-    fn finished(&mut self, _: &TrialRecord) -> ControlFlow<()> {
-        self.finished += 1;
-        check_signals(&self.fault);
-        if let Some(progress) = &self.progress {
-            let counts = (self.finished, self.trials);
-            let called = Python::attach(|py| progress.call1(py, counts).map(drop));
-            called.unwrap_or_else(|error| self.fault.set(error));
-        }
-        match self.fault.is_set() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
-    }
 }
 
 /// Stores the exception of a signal, such as that of Ctrl-C.
@@ -81,17 +52,23 @@ pub fn run_study(
     }
     let protocol = Protocol::new(&file, &added).map_err(invalid)?;
     warn(py, protocol.arm_plans())?;
-    let mut watcher = Watcher {
-        fault: fault.clone(),
-        progress,
-        finished: 0,
-        trials: 0,
+    let mut watch = |finished, trials| {
+        check_signals(&fault);
+        if let Some(progress) = progress.as_ref().filter(|_| finished > 0) {
+            let called = Python::attach(|py| progress.call1(py, (finished, trials)).map(drop));
+            called.unwrap_or_else(|error| fault.set(error));
+        }
+        if fault.is_set() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     };
     let ran = py.detach(|| {
         let mut folder = StudyFolder::open(&out, protocol, false)?.with_agents(added.clone());
         // An exception of an agent interrupts a study, and is no result.
         folder.retry_failed()?;
-        folder.run(jobs, &mut watcher)?;
+        folder.run(jobs, &mut watch)?;
         Ok::<_, xcscr::Error>(folder)
     });
     fault.check()?;

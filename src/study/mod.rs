@@ -26,5 +26,5 @@ pub use custom::Agents;
 pub use protocol::{Arm, Protocol, StudyFile, StudyKey, Variant};
 pub use report::{Report, report_columns};
 pub use robustness::{ConditionResult, LeftOut, Robustness};
-pub use runner::StudyWatcher;
+pub use runner::Watch;
 pub use store::{Figures, StudyFolder, TrialRecord};

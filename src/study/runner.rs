@@ -14,21 +14,9 @@ use super::protocol::Protocol;
 use super::store::{Journal, StudyFolder, TrialRecord};
 use crate::Error;
 
-/// Receives the progress of a study.
-pub trait StudyWatcher {
-    /// Called before `trials` trials are run.
-    fn begins(&mut self, trials: usize) {
-        let _ = trials;
-    }
-
-    /// Called when a trial is finished and stored. `Break` ends the study after the running trials.
-    fn finished(&mut self, record: &TrialRecord) -> ControlFlow<()> {
-        let _ = record;
-        ControlFlow::Continue(())
-    }
-}
-
-impl StudyWatcher for () {}
+/// Receives the numbers of finished trials and of all trials of a call: before the first trial, and when a trial is
+/// finished and stored. `Break` ends the study after the running trials.
+pub type Watch<'a> = dyn FnMut(usize, usize) -> ControlFlow<()> + 'a;
 
 /// A finished trial, and the channel of the thread that waits until the trial is written.
 type Finished = (TrialRecord, SyncSender<()>);
@@ -41,10 +29,10 @@ impl StudyFolder {
     /// # Errors
     /// When the folder cannot be written, a file of a smaller study there was
     /// changed by hand, or a custom agent has another result than the one stored.
-    pub fn run(&mut self, jobs: usize, watcher: &mut dyn StudyWatcher) -> Result<(), Error> {
+    pub fn run(&mut self, jobs: usize, watch: &mut Watch<'_>) -> Result<(), Error> {
         self.require_same_agents()?;
         self.require_own_outputs()?;
-        self.run_trials(&self.missing(), jobs, watcher)?;
+        self.run_trials(&self.missing(), jobs, watch)?;
         if self.missing().is_empty() {
             self.replace_smaller()
         } else {
@@ -61,11 +49,11 @@ impl StudyFolder {
         &mut self,
         task: usize,
         jobs: usize,
-        watcher: &mut dyn StudyWatcher,
+        watch: &mut Watch<'_>,
     ) -> Result<(), Error> {
         self.require_task(task)?;
         self.require_same_program()?;
-        self.run_trials(&self.missing_of_task(task), jobs, watcher)
+        self.run_trials(&self.missing_of_task(task), jobs, watch)
     }
 
     /// Repeats the first stored trial of each custom agent. A changed agent would mix its results with earlier ones.
@@ -90,10 +78,9 @@ impl StudyFolder {
         &mut self,
         trials: &[usize],
         jobs: usize,
-        watcher: &mut dyn StudyWatcher,
+        watch: &mut Watch<'_>,
     ) -> Result<(), Error> {
-        watcher.begins(trials.len());
-        if trials.is_empty() {
+        if watch(0, trials.len()).is_break() || trials.is_empty() {
             return Ok(());
         }
         let pool = threads(jobs)?;
@@ -106,18 +93,24 @@ impl StudyFolder {
             let run = || pool.install(|| run_each(&protocol, &agents, trials, sender, &stop));
             let spawned = thread::Builder::new().spawn_scoped(scope, run);
             spawned.map_err(error::jobs(jobs))?;
-            let stored = self.store_all(receiver, &mut journal, watcher, &stop);
+            let mut finished = 0;
+            let mut is_over = || {
+                finished += 1;
+                watch(finished, trials.len()).is_break()
+            };
+            let stored = self.store_all(receiver, &mut journal, &mut is_over, &stop);
             stop.store(true, Ordering::Relaxed);
             stored
         })
     }
 
-    /// Writes records as they arrive, all waiting records at once, until the channel is closed.
+    /// Writes records as they arrive, all waiting records at once, until the channel is closed. `is_over` is
+    /// called after each one.
     fn store_all(
         &mut self,
         receiver: Receiver<Finished>,
         journal: &mut Journal,
-        watcher: &mut dyn StudyWatcher,
+        is_over: &mut dyn FnMut() -> bool,
         stop: &AtomicBool,
     ) -> Result<(), Error> {
         while let Ok(first) = receiver.recv() {
@@ -125,7 +118,7 @@ impl StudyFolder {
             let (records, waiting): (Vec<TrialRecord>, Vec<_>) = arrived.unzip();
             journal.write(&records)?;
             for record in records {
-                if watcher.finished(&record).is_break() {
+                if is_over() {
                     stop.store(true, Ordering::Relaxed);
                 }
                 self.add(record);

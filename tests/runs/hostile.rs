@@ -5,6 +5,7 @@
 //! a million of each kind.
 
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::slice::from_ref;
 
@@ -131,7 +132,9 @@ fn finished_study() -> Desk {
     (file.trials, file.episodes) = (1, 2);
     let protocol = Protocol::new(&file, &Agents::default()).unwrap();
     let mut folder = StudyFolder::open(desk.folder(), protocol, false).unwrap();
-    folder.run(1, &mut ()).unwrap();
+    folder
+        .run(1, &mut |_, _| ControlFlow::Continue(()))
+        .unwrap();
     desk
 }
 

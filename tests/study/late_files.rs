@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::kit::folder;
 use tempfile::TempDir;
 use xcscr::streams::StreamName;
-use xcscr::study::{Agents, Protocol, StudyFile, StudyFolder, StudyWatcher, TrialRecord};
+use xcscr::study::{Agents, Protocol, StudyFile, StudyFolder, TrialRecord};
 use xcscr::xcs::random::Stream;
 use xcscr::{Error, ErrorKind};
 
@@ -72,16 +72,11 @@ fn finished(path: &Path) -> Result<Vec<TrialRecord>, Error> {
     Ok(folder.records().cloned().collect())
 }
 
-/// Ends an attempt after some trials.
-struct Patience(usize);
-
-impl StudyWatcher for Patience {
-    fn finished(&mut self, _: &TrialRecord) -> ControlFlow<()> {
-        self.0 -= 1;
-        match self.0 {
-            0 => ControlFlow::Break(()),
-            _ => ControlFlow::Continue(()),
-        }
+/// Ends an attempt after so many trials.
+fn until(most: usize) -> impl FnMut(usize, usize) -> ControlFlow<()> {
+    move |finished, _| match finished == most {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
     }
 }
 
@@ -90,7 +85,7 @@ fn whatever_the_machines_see_of_each_other_the_trials_are_those_of_one_process_o
     let whole = tempfile::tempdir().unwrap();
     let out = whole.path().join("a");
     let mut done = StudyFolder::open(&out, protocol(), false).unwrap();
-    done.run(1, &mut ()).unwrap();
+    done.run(1, &mut |_, _| ControlFlow::Continue(())).unwrap();
     let wanted: Vec<_> = done.records().cloned().collect();
     let mut chance = Stream::new(1, StreamName::World);
     let (mut twice, mut refused, mut torn) = (0, 0, 0);
@@ -103,7 +98,7 @@ fn whatever_the_machines_see_of_each_other_the_trials_are_those_of_one_process_o
                 _ => Some(length),
             });
             let task = 1 + chance.below(TASKS);
-            let mut grace_period = Patience(1 + chance.below(4));
+            let mut grace_period = until(1 + chance.below(4));
             let mut machine = StudyFolder::read(&path).unwrap();
             machine.run_task(task, 1, &mut grace_period).unwrap();
             let half = chance.below(3) * chance.below(90);

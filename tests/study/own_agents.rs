@@ -1,5 +1,6 @@
 //! Agents of one's own in a study.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use xcscr::study::{Agents, Protocol, Report, StudyFile, StudyFolder};
@@ -32,7 +33,9 @@ fn own() -> Agents {
 
 fn run(path: &Path, agents: Agents) -> StudyFolder {
     let mut folder = open(path, agents);
-    folder.run(1, &mut ()).unwrap();
+    folder
+        .run(1, &mut |_, _| ControlFlow::Continue(()))
+        .unwrap();
     folder
 }
 
@@ -100,7 +103,10 @@ fn results_of_a_changed_agent_are_not_mixed_with_earlier_ones() {
     let words =
         "trial 1 of maze4 fewest-steps grid neighbours has another result when it is repeated";
     let mut folder = open(&path, changed());
-    let fault = folder.run(1, &mut ()).unwrap_err().to_string();
+    let fault = folder
+        .run(1, &mut |_, _| ControlFlow::Continue(()))
+        .unwrap_err()
+        .to_string();
     assert!(fault.contains(words) && fault.contains("--out"), "{fault}");
     let fault = folder.write_episodes(1, &|| false).unwrap_err();
     assert!(fault.to_string().contains(words), "{fault}");

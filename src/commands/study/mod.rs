@@ -131,7 +131,8 @@ fn run_trials(args: &RunArgs, out: &mut Results) -> Result<(), Failure> {
     if args.retry_failed {
         folder.retry_failed()?;
     }
-    folder.run(args.jobs.into(), &mut progress)?;
+    let watch = &mut |finished, trials| progress.watch(finished, trials);
+    folder.run(args.jobs.into(), watch)?;
     drop(progress);
     let missing = folder.missing();
     if missing.is_empty() {

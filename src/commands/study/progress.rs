@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use indicatif::ProgressBar;
-use xcscr::study::{StudyWatcher, TrialRecord};
 
 use crate::commands::interrupt::Interrupt;
 use crate::commands::progress::bar;
@@ -34,17 +33,16 @@ impl StudyProgress {
         self.finished = finished;
         self
     }
-}
 
-impl StudyWatcher for StudyProgress {
-    fn begins(&mut self, trials: usize) {
-        self.bar.set_length(trials as u64);
-        self.bar.reset_eta();
-    }
-
-    fn finished(&mut self, _: &TrialRecord) -> ControlFlow<()> {
-        self.bar.inc(1);
-        self.finished.fetch_add(1, Ordering::Relaxed);
+    /// Shows how many trials are finished. Breaks after a signal.
+    pub fn watch(&mut self, finished: usize, trials: usize) -> ControlFlow<()> {
+        if finished == 0 {
+            self.bar.set_length(trials as u64);
+            self.bar.reset_eta();
+        } else {
+            self.bar.inc(1);
+            self.finished.fetch_add(1, Ordering::Relaxed);
+        }
         if self.interrupt.came() {
             ControlFlow::Break(())
         } else {

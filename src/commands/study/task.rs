@@ -36,7 +36,8 @@ pub(super) fn run(args: &TaskArgs) -> Result<(), Failure> {
     let shutdown_message = move || interrupted(task, counter.load(Ordering::Relaxed));
     let mut progress = StudyProgress::new(args.quiet, Interrupt::watch(shutdown_message)?)
         .counting(finished.clone());
-    folder.run_task(task, args.jobs.into(), &mut progress)?;
+    let watch = &mut |finished, trials| progress.watch(finished, trials);
+    folder.run_task(task, args.jobs.into(), watch)?;
     drop(progress);
     let finished = finished.load(Ordering::Relaxed);
     if !folder.missing_of_task(task).is_empty() {
