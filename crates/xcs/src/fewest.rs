@@ -57,6 +57,8 @@ pub fn fewest_rules_for<'a, C: Representation + 'a>(
     Task::new(rules, decisions, actions, over_match_set).fewest()
 }
 
+/// The greatest number of percepts for which rules are exchanged. In larger tasks it takes long, and saves one rule in 40.
+const MOST_EXCHANGED: usize = 512;
 /// The share of the chosen rules that are dropped at random, before others are chosen in their place.
 const DROPPED: f64 = 0.4;
 /// The maximum number of times that this is done, and the same times the number of rules and of percepts.
@@ -79,7 +81,7 @@ const SEARCHES: usize = 4096;
 /// The greatest number of percepts for which conditions are also grown.
 const MOST_GROWN: usize = 128;
 /// The least number of percepts in a round for which a general condition is searched.
-const FEWEST_SEARCHES: usize = 2;
+const FEWEST_SEARCHES: usize = 1;
 
 /// Returns rules with general conditions that make these decisions. Each round searches a condition for some percepts
 /// that are not covered yet, and covers those of the rule that matches the most.
@@ -234,7 +236,9 @@ impl<'a, C: Representation> Task<'a, C> {
         self.cover(right, kept);
         self.complete(kept);
         self.drop_redundant(kept, 0..self.rules.len());
-        self.exchange(right, kept);
+        if self.decisions.len() <= MOST_EXCHANGED {
+            self.exchange(right, kept);
+        }
     }
 
     fn add(&mut self, percept: &C::Percept, decision: Vec<Action>) {
