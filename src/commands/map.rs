@@ -19,8 +19,9 @@ pub struct MapArgs {
     /// Picture to write: an .svg file.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Draw the value (the paper's worth) of every action. Without an episode, draw three stages of learning: the
-    /// first episode, the next one that reaches the goal, and the last.
+    /// Draw the value (the paper's worth) of every action. Without an episode, draw three stages of learning: before
+    /// the first success, when half of the shortest path is positive, and the last success. A chart below them shows
+    /// by how much the optimal actions are better than the others.
     #[arg(long)]
     worth: bool,
     /// Show what was learned after this episode [default: that of the recording, or the last].

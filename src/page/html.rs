@@ -14,13 +14,12 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
 
 /// The colours of figures, and the CSS variables that replace them so that figures follow dark
 /// mode.
-const COLOURS: [(&str, &str); 6] = [
-    ("#FFFFFF", "var(--paper)"),
-    ("#222222", "var(--ink)"),
-    ("#E1E1E1", "var(--faint)"),
-    ("#5A5A5A", "var(--grey)"),
-    ("#000000", "var(--ink)"),
-    ("#0072B2", "var(--blue)"),
+const COLOURS: [(&str, &str); 5] = [
+    ("#ffffff", "var(--paper)"),
+    ("#1d2430", "var(--ink)"),
+    ("#d9dee6", "var(--faint)"),
+    ("#5a5a5a", "var(--grey)"),
+    ("#0072b2", "var(--blue)"),
 ];
 
 /// Renders blocks as a page.
@@ -140,8 +139,8 @@ mod tests {
         let picture = Picture {
             name: "f",
             caption: "A figure",
-            svg: "<svg width=\"1\" xmlns=\"http://www.w3.org/2000/svg\"><rect fill=\"#FFFFFF\" \
-                  stroke=\"#222222\"/></svg>"
+            svg: "<svg width=\"1\" xmlns=\"http://www.w3.org/2000/svg\"><rect fill=\"#ffffff\" \
+                  stroke=\"#1d2430\"/></svg>"
                 .to_owned(),
         };
         assert_eq!(

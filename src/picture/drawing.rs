@@ -6,13 +6,12 @@ use super::colours::{css, shade};
 use super::policy_picture::{Moment, PolicyPicture};
 use super::svg::{Drawing, Element, SCALE, decimals, short};
 use crate::record::colours::NO_GOAL;
-use crate::world::{Cell, Direction, Maze, Paths};
-use xcs::Action;
+use crate::world::{Cell, Direction, Maze};
 
-pub(super) const PAPER: u32 = 0xffffff;
+pub(crate) const PAPER: u32 = 0xffffff;
 pub(super) const INK: u32 = 0x1d2430;
 pub(super) const FAINT: u32 = 0x5d6675;
-const GRID: u32 = 0xd9dee6;
+pub(super) const GRID: u32 = 0xd9dee6;
 pub(super) const WALL: u32 = 0x3d4757;
 pub(super) const VISITED: u32 = 0xd3d8e0;
 /// The floor beside the cells of a map.
@@ -78,7 +77,7 @@ pub(super) fn draw(picture: &PolicyPicture) -> Drawing {
     }
 }
 
-/// Draws a world with all optimal actions in each cell.
+/// Draws a world with its shortest paths.
 pub(super) fn draw_world(maze: &Maze, caption: String) -> Drawing {
     let cell = cell_px(maze, 1);
     let [wide, high] = [maze.width(), maze.height()].map(|cells| f64::from(cells) * cell);
@@ -89,7 +88,7 @@ pub(super) fn draw_world(maze: &Maze, caption: String) -> Drawing {
     let mut elements = vec![block(0.0, 0.0, width, height, PAPER)];
     elements.extend(plane.ground());
     elements.extend(plane.cells(&[]));
-    elements.extend(plane.optimal_actions());
+    elements.extend(plane.optimal_paths());
     elements.extend(plane.letters());
     elements.push(words(MARGIN, 26.0, 17.0, INK, maze.name()));
     elements.push(words(MARGIN, 46.0, 13.0, FAINT, caption));
@@ -194,28 +193,6 @@ impl Plane<'_> {
         shapes
     }
 
-    /// Returns an arrow for each action that begins a shortest path to a goal, coloured by the distance.
-    fn optimal_actions(&self) -> Vec<Element> {
-        let (maze, paths) = (self.maze, Paths::new(self.maze));
-        let distances = maze
-            .free_cells()
-            .filter_map(|cell| paths.distance(maze, cell));
-        let farthest = f64::from(distances.max().unwrap_or(1).max(2) - 1);
-        let mut shapes = Vec::new();
-        for cell in maze.free_cells().filter(|&cell| !maze.is_goal(cell)) {
-            for action in Action::all(maze.action_count()) {
-                let next = paths.successor(maze, cell, action);
-                let Some((next, direction)) = next.zip(maze.direction(action)) else {
-                    continue;
-                };
-                let left = paths.distance(maze, next).map_or(0.0, f64::from);
-                let fill = shade(1.0 - left / farthest);
-                shapes.push(arrow(self.centre(cell), direction, 0.47 * self.cell, fill));
-            }
-        }
-        shapes
-    }
-
     /// Returns the start and the goals, each with its colour and its letter.
     fn marked(&self) -> impl Iterator<Item = (Cell, u32, &'static str)> {
         let start = self.maze.start().map(|cell| (cell, START, "S"));
@@ -253,7 +230,7 @@ fn legend(top: f64) -> Vec<Element> {
     ]
 }
 
-pub(super) fn block(left: f64, top: f64, width: f64, height: f64, fill: u32) -> Element {
+pub(crate) fn block(left: f64, top: f64, width: f64, height: f64, fill: u32) -> Element {
     let lengths = [left, top, width, height].map(short);
     let [x, y, width, height] = lengths;
     let attributes = [

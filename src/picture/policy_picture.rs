@@ -2,7 +2,7 @@
 
 use super::camera::{Camera, Stages};
 use super::{action_values, drawing};
-use crate::agent::Knowledge;
+use crate::agent::{Knowledge, Sharing};
 use crate::episode::{Ending, Episode, Observer, PolicyMap};
 use crate::trial::{Plan, steps_to_goal};
 use crate::world::{Cell, Maze, Paths};
@@ -14,6 +14,8 @@ const MOST_CELLS: usize = 1 << 20;
 /// An episode and the policy after it.
 #[derive(Debug, Clone)]
 pub(super) struct Moment {
+    /// The stage of learning; `None` for an episode that was asked for.
+    pub stage: Option<Stage>,
     /// The result of the episode.
     pub episode: Episode,
     /// The policy after the episode.
@@ -24,6 +26,29 @@ pub(super) struct Moment {
     pub greedy_path: Vec<Cell>,
     /// The cells visited in the episode, the start first.
     pub visited: Vec<Cell>,
+}
+
+/// A stage of learning.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// The last episode before the first one that reached the goal.
+    BeforeSuccess,
+    /// The first episode, from the first success on, after which the greatest value was above 0 in half of the cells
+    /// on shortest paths.
+    HalfPositive,
+    /// The last episode that reached the goal.
+    LastSuccess,
+}
+
+/// By how much the optimal action is better than the best other action, after an episode. The cells are those of the
+/// shortest path that the values prefer; all cells if episodes start anywhere.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Margin {
+    pub episode: u32,
+    /// The mean over the cells.
+    pub mean: f64,
+    /// The least of all cells. If it is above 0, the greedy path is a shortest one.
+    pub least: f64,
 }
 
 /// What a picture shows.
@@ -44,6 +69,10 @@ pub struct PolicyPicture {
     pub(super) look: Look,
     /// At least one.
     pub(super) moments: Vec<Moment>,
+    /// In the order of episodes; empty for a single episode.
+    pub(super) margins: Vec<Margin>,
+    /// How the method shares the reward of an episode among its steps, if it does.
+    pub(super) sharing: Option<Sharing>,
 }
 
 impl PolicyPicture {
@@ -70,7 +99,7 @@ impl PolicyPicture {
             return Err(ErrorKind::Usage.error(message));
         }
         let stages = match (look, after) {
-            (Look::ActionValues, None) => Stages::OfLearning { last },
+            (Look::ActionValues, None) => Stages::OfLearning,
             _ => Stages::After(last),
         };
         let mut camera = Camera::new(stages, plan);
@@ -89,8 +118,9 @@ impl PolicyPicture {
     }
 }
 
-/// Draws a world as an SVG document (Figure 3 of the paper): its walls, the start, the goals and all optimal policies,
-/// with a caption below its name. An arrow is an action that begins a shortest path. The same world gives the same bytes.
+/// Draws a world as an SVG document (Figure 3 of the paper): its walls, the start, the goals and the shortest paths,
+/// with a caption below its name. With more than six paths, or a random start, it shows the optimal actions of all
+/// cells. The same world gives the same bytes.
 ///
 /// # Errors
 /// When the world has more than a million cells.
@@ -109,6 +139,17 @@ fn check_size(maze: &Maze, hint: &str) -> Result<(), Error> {
     Err(ErrorKind::BadData.error(format!(
         "cannot draw the picture: {name} has {cells} cells, but at most {MOST_CELLS} can be drawn{hint}"
     )))
+}
+
+impl Stage {
+    /// Returns the letter of the panel, as in Figure 5 of the paper, and the name.
+    pub(super) fn name(self) -> (&'static str, &'static str) {
+        match self {
+            Self::BeforeSuccess => ("a", "before the first success"),
+            Self::HalfPositive => ("b", "half of the shortest path positive"),
+            Self::LastSuccess => ("c", "last success"),
+        }
+    }
 }
 
 impl Moment {
@@ -177,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn the_picture_of_a_world_has_its_walls_its_marks_and_all_optimal_actions() {
+    fn the_picture_of_a_world_has_its_walls_its_marks_and_its_shortest_paths() {
         let picture = |maze: &str| {
             let path = format!("worlds/{maze}.json");
             world_picture(&Maze::load(path.as_ref()).unwrap(), "caption".to_owned()).unwrap()
@@ -195,8 +236,9 @@ mod tests {
         let squares = picture.matches("<rect").count();
         assert_eq!(squares, 2 + 2 * 27 + 2);
         assert!(world_picture(&hall(4096, 257), String::new()).is_err());
-        // A breadth-first search by hand finds 31 optimal actions in the 26 cells beside the goal.
-        assert_eq!(picture.matches("<use").count(), 31);
+        // Three paths of ten steps.
+        assert_eq!(picture.matches("<polyline").count(), 3);
+        assert_eq!(picture.matches("<use").count(), 3 * 10);
     }
 
     #[test]

@@ -9,7 +9,7 @@ pub(super) const SCALE: &str = "scale";
 
 /// An element. All lengths are in pixels of the picture; y points down.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Element {
+pub(crate) struct Element {
     tag: &'static str,
     attributes: Vec<(&'static str, String)>,
     text: String,
@@ -19,7 +19,7 @@ pub(super) struct Element {
 
 /// A picture.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Drawing {
+pub(crate) struct Drawing {
     pub width: u32,
     pub height: u32,
     pub title: String,
@@ -108,12 +108,12 @@ fn write(out: &mut String, element: &Element) {
 }
 
 /// Formats a length with at most two decimals.
-pub(super) fn short(length: f64) -> String {
+pub(crate) fn short(length: f64) -> String {
     decimals(length, 2)
 }
 
 /// Formats a number with at most `most` decimals.
-pub(super) fn decimals(number: f64, most: usize) -> String {
+pub(crate) fn decimals(number: f64, most: usize) -> String {
     let text = format!("{number:.most$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()

@@ -22,7 +22,8 @@ pub struct Session {
     folder: RunFolder,
     trial: Trial,
     recorder: Recorder,
-    camera: Camera,
+    /// `None` in a maze that is too large for the picture.
+    camera: Option<Camera>,
 }
 
 /// The result of resuming a run.
@@ -78,10 +79,11 @@ impl Session {
 
     fn new(folder: RunFolder, trial: Trial, recorder: Recorder) -> Self {
         let plan = trial.plan();
-        let last = plan.config.episodes;
+        let cells = usize::from(plan.maze.width()) * usize::from(plan.maze.height());
+        let is_pictured = cells <= MOST_PICTURED_CELLS;
         Self {
             folder,
-            camera: Camera::new(Stages::OfLearning { last }, plan),
+            camera: is_pictured.then(|| Camera::new(Stages::OfLearning, plan)),
             trial,
             recorder,
         }
@@ -124,9 +126,8 @@ impl Session {
             let page = page_of(self.folder.path(), plan, &knowledge)?;
             self.folder.save_page(&page)?;
         }
-        let cells = usize::from(plan.maze.width()) * usize::from(plan.maze.height());
-        if cells <= MOST_PICTURED_CELLS && plan.config.episodes > 0 {
-            let picture = self.camera.picture(plan, Look::ActionValues);
+        if let Some(camera) = self.camera.filter(|_| plan.config.episodes > 0) {
+            let picture = camera.picture(plan, Look::ActionValues);
             self.folder.save_picture(&picture.svg())?;
         }
         self.folder.remove_unfinished()?;
@@ -143,7 +144,11 @@ impl Session {
         stop: &dyn Fn() -> bool,
     ) -> Result<(), Error> {
         while !self.trial.is_finished() {
-            let mut observers = ((&mut self.recorder, &mut self.camera), &mut *observer);
+            let camera: &mut dyn Observer = match &mut self.camera {
+                Some(camera) => camera,
+                None => &mut (),
+            };
+            let mut observers = ((&mut self.recorder, camera), &mut *observer);
             let (_, flow) = self.trial.run_episode(&mut observers);
             self.recorder.check()?;
             if flow == ControlFlow::Break(()) || stop() {

@@ -37,15 +37,19 @@ fn a_map_shows_the_policy_of_any_episode_and_is_the_same_every_time() {
 #[test]
 fn a_training_writes_the_action_values_of_three_stages_and_map_draws_the_same() {
     let desk = Desk::new();
-    let how = "maze4 --arena grid --method xcscr --record none --episodes 60";
+    let how = "maze5 --arena grid --method xcscr --record none --set reward.step_threshold=60";
     desk.train("run", how);
     let written = desk.text("run/worth.svg");
     assert_eq!(written, svg(&desk, "--worth"));
-    let stages = written.matches(">episode ").count();
-    assert!(
-        stages == 3 && written.contains(">episode 60: "),
-        "{stages} stages"
-    );
+    for words in [
+        ">a: before the first success",
+        ">b: half of the shortest path positive",
+        ">c: last success",
+        ">stability: ",
+        "smaller share (Eq. 9)",
+    ] {
+        assert_eq!(written.matches(words).count(), 1, "{words}");
+    }
     // Values below 0, above 0, and of the policy.
     for colour in ["#c8352b", "#2f6fd6", "#128a3e"] {
         let arrows = written.matches(colour).count();
@@ -54,6 +58,10 @@ fn a_training_writes_the_action_values_of_three_stages_and_map_draws_the_same() 
     let one = svg(&desk, "--worth --episode 5");
     assert_eq!(one.matches(">episode ").count(), 1, "{one}");
     assert!(one.contains(">episode 5: "), "{one}");
+    assert!(
+        !one.contains("stability"),
+        "control: one episode has no curve"
+    );
 }
 
 #[test]

@@ -42,7 +42,8 @@ fn a_report_says_what_came_out_and_draws_it() {
     for words in ["maze5", "xcscr − xcs", "Pairwise comparisons"] {
         assert!(printed.contains(words), "{words} is missing in\n{printed}");
     }
-    let files = "report.md trials.csv summary.json curves.svg";
+    let files =
+        "report.md trials.csv summary.json curves.svg curves-by-steps.svg first-optimal.svg";
     for file in files.split(' ') {
         assert!(desk.path("whole").join(file).is_file(), "{file}");
     }
@@ -52,6 +53,35 @@ fn a_report_says_what_came_out_and_draws_it() {
     let keys = "trials successes wilson_low median_episode p95_episode retained";
     for key in keys.split(' ') {
         assert!(summary["arms"][0].get(key).is_some(), "{key}");
+    }
+}
+
+#[test]
+fn the_figures_show_every_method_however_many_there_are() {
+    let desk = Desk::new();
+    let all = "xcs xcsam adapted-even adapted-discounted xcscr xcscr-coevolved xcscr-plus q-learning \
+               sarsa-lambda dyna-q r-max";
+    let all: Vec<&str> = all.split(' ').collect();
+    for count in [2, 7, 11] {
+        let methods = &all[..count];
+        let name = format!("m{count}");
+        let file = format!(
+            "name = \"{name}\"\nworlds = [\"maze4\", \"maze5\"]\nmethods = {methods:?}\ntrials = 1\nepisodes = 2\n"
+        );
+        desk.write(&format!("{name}.toml"), &file);
+        desk.done(&format!("run {name}.toml --out {name}"));
+        for figure in ["curves", "curves-by-steps", "first-optimal"] {
+            let svg = desk.read(&format!("{name}/{figure}.svg"));
+            for method in methods {
+                let named = svg.matches(&format!(">{method}</text>")).count();
+                assert_eq!(named, 1, "{method} in {figure} of {count}");
+            }
+            assert!(svg.contains("width=\"333\""), "the width of a column");
+            // Control: other methods are not named.
+            let others = all[count..].iter();
+            let named = others.filter(|method| svg.contains(&format!(">{method}</text>")));
+            assert_eq!(named.count(), 0, "{figure} of {count}");
+        }
     }
 }
 
@@ -123,7 +153,7 @@ fn the_html_report_is_one_page_that_needs_nothing_else_and_has_the_parts_of_a_re
     for words in ["default-src 'none'", "prefers-color-scheme: dark"] {
         assert!(page.contains(words), "{words}");
     }
-    assert_eq!(page.matches("<svg ").count(), 1, "all figures are inside");
+    assert_eq!(page.matches("<svg ").count(), 3, "all figures are inside");
     let markdown = desk.read("whole/report.md");
     let headings = markdown.lines().filter_map(|line| line.strip_prefix("## "));
     let sections = "Setup Table Figures Tests Limitations".split(' ');

@@ -80,13 +80,26 @@ impl<'a> ArmRecords<'a> {
         firsts
     }
 
+    /// Returns the environment steps of the first optimal policy of the trials that have one.
+    pub fn first_env_steps(&self) -> impl Iterator<Item = f64> + '_ {
+        let firsts = self
+            .figures()
+            .map(|one| one.progress.first_optimal_env_steps);
+        firsts.flatten().map(|steps| steps as f64)
+    }
+
+    /// Returns the environment steps of the longest trial.
+    pub fn most_steps(&self) -> u64 {
+        let steps = self.figures().map(|one| one.progress.steps);
+        steps.max().unwrap_or(0)
+    }
+
     /// Returns the share of trials that had found an optimal policy, with Wilson's interval, from
-    /// each of these episodes on.
-    pub fn solved_by_episode(&self) -> Vec<(u32, Interval)> {
-        let firsts = self.first_episodes();
+    /// each of these times on. `firsts` are the times of the solved trials, in ascending order.
+    pub fn solved_by(&self, firsts: &[f64]) -> Vec<(f64, Interval)> {
         let trials = self.successes().trials;
         let solved = |count: usize| Proportion::new(count as u64, trials).wilson();
-        let mut steps = vec![(0, solved(0))];
+        let mut steps = vec![(0.0, solved(0))];
         let counts = 1..=firsts.len();
         let ends = counts.filter(|&count| firsts.get(count) != Some(&firsts[count - 1]));
         steps.extend(ends.map(|count| (firsts[count - 1], solved(count))));

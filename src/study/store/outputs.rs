@@ -22,7 +22,12 @@ const DOCUMENTS: [&str; 6] = [
     "report.html",
 ];
 /// The figures.
-const FIGURES: [&str; 2] = ["curves.svg", "episodes.svg"];
+const FIGURES: [&str; 4] = [
+    "curves.svg",
+    "curves-by-steps.svg",
+    "first-optimal.svg",
+    "episodes.svg",
+];
 
 /// Returns true if a study generates a file of this name.
 pub fn is_output(name: &str) -> bool {

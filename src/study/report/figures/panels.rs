@@ -12,7 +12,8 @@ pub struct Panels<'a> {
     pub places: Vec<String>,
     /// Methods, with the settings that a sweep varies.
     pub series: Vec<String>,
-    records: &'a [ArmRecords<'a>],
+    /// The trials of each arm.
+    pub records: &'a [ArmRecords<'a>],
     /// The place and the series of each arm.
     positions: Vec<(usize, usize)>,
 }
@@ -47,11 +48,6 @@ impl<'a> Panels<'a> {
             records,
             positions,
         }
-    }
-
-    /// Returns the number of places and of series.
-    pub fn size(&self) -> (i32, i32) {
-        (self.places.len() as i32, self.series.len() as i32)
     }
 
     /// Returns the arm of a series in a place.
