@@ -24,38 +24,21 @@ impl PolicyMap {
             (cell, method.values(&percept))
         };
         if maze.is_too_large() {
-            return Self::along_path(maze, values);
+            let cells = on_path(method, sensor, maze).into_values().collect();
+            return Self { cells };
         }
         let cells = maze.free_cells().filter(|&cell| !maze.is_goal(cell));
         let mut map = Self {
             cells: cells.map(values).collect(),
         };
         if beginning.keeps_steps() {
-            map.replace_along_path(method, sensor, maze);
+            for (cell, values) in on_path(method, sensor, maze).into_values() {
+                if let Ok(place) = map.place(cell) {
+                    map.cells[place].1 = values;
+                }
+            }
         }
         map
-    }
-
-    /// Replaces the values in the cells of the greedy path from a fixed start by those on that path.
-    fn replace_along_path(&mut self, method: &dyn Agent, sensor: Sensor, maze: &Maze) {
-        let mut history = method.first_history();
-        let mut at = maze.start();
-        let mut seen = BTreeSet::new();
-        while let Some(cell) = at.filter(|&cell| !maze.is_goal(cell)) {
-            let percept = sensor.perceive_at(maze, cell);
-            let values = method.values(&history.behind(&percept));
-            let Some(action) = values.best_actions().next() else {
-                return;
-            };
-            if !seen.insert((cell.row, cell.col)) {
-                return;
-            }
-            at = ahead(maze, cell, &values);
-            history = history.after(&percept, action);
-            if let Ok(place) = self.place(cell) {
-                self.cells[place].1 = values;
-            }
-        }
     }
 
     /// Returns the cells with the values of their actions.
@@ -122,21 +105,6 @@ impl PolicyMap {
         steps
     }
 
-    fn along_path(maze: &Maze, values: impl Fn(Cell) -> (Cell, PredictionArray)) -> Self {
-        let mut cells = BTreeMap::new();
-        let mut at = maze.start();
-        while let Some(cell) = at.filter(|&cell| !maze.is_goal(cell)) {
-            let here = values(cell);
-            at = ahead(maze, cell, &here.1);
-            if cells.insert((cell.row, cell.col), here).is_some() {
-                break;
-            }
-        }
-        Self {
-            cells: cells.into_values().collect(),
-        }
-    }
-
     /// Returns the cells of the [greedy path](greedy_path) from `start`, with ties broken by the first best action.
     pub fn greedy_path(&self, maze: &Maze, start: Cell) -> Vec<Cell> {
         greedy_path(start, |cell| ahead(maze, cell, self.values(cell)?))
@@ -153,6 +121,30 @@ pub fn greedy_path(start: Cell, ahead: impl Fn(Cell) -> Option<Cell>) -> Vec<Cel
         at = ahead(cell);
     }
     path
+}
+
+/// Evaluates a learner in each cell of its greedy path from a fixed start, with the history of the path. By row and column.
+fn on_path(
+    method: &dyn Agent,
+    sensor: Sensor,
+    maze: &Maze,
+) -> BTreeMap<(u16, u16), (Cell, PredictionArray)> {
+    let mut history = method.first_history();
+    let mut found = BTreeMap::new();
+    let mut at = maze.start();
+    while let Some(cell) = at.filter(|&cell| !maze.is_goal(cell)) {
+        let percept = sensor.perceive_at(maze, cell);
+        let values = method.values(&history.behind(&percept));
+        at = ahead(maze, cell, &values);
+        if let Some(action) = values.best_actions().next() {
+            history = history.after(&percept, action);
+        }
+        if found.contains_key(&(cell.row, cell.col)) {
+            break;
+        }
+        found.insert((cell.row, cell.col), (cell, values));
+    }
+    found
 }
 
 /// Returns the cell that the first best action leads to.
@@ -311,5 +303,38 @@ mod tests {
             !ranks[2..].is_sorted(),
             "control: the values are in no order"
         );
+    }
+
+    #[test]
+    fn in_a_maze_too_large_to_be_shown_the_path_has_its_history() {
+        let side = 400;
+        let mut rows = vec!["#".repeat(side); side];
+        rows[1].replace_range(1..6, "S...G");
+        let world = format!(r#"{{ "rows": {rows:?} }}"#);
+        let maze = Maze::from_json(world.as_bytes(), "large.json").unwrap();
+        assert!(maze.is_too_large(), "control");
+        let config = crate::trial::Config {
+            sensor: Sensor::Neighbours,
+            ..Default::default()
+        };
+        let met = |history: u32| {
+            let mut config = config.clone();
+            config.settings.sensor.history = history;
+            // By percept with its history: the action that leads on, known on the path only.
+            let mut past = History::new(config.perception(), &maze);
+            let east = Action::new(1).unwrap();
+            let table = (1..5).map(|col| {
+                let here = Sensor::Neighbours.perceive_at(&maze, Cell { col, row: 1 });
+                let percept = past.behind(&here);
+                past = past.after(&here, east);
+                (percept, vec![None, Some(1.0)])
+            });
+            let knowledge = crate::agent::Knowledge::Table(table.collect());
+            let policy = config.policy(knowledge, &maze);
+            PolicyMap::of(&*policy, Sensor::Neighbours, &maze)
+                .cells
+                .len()
+        };
+        assert_eq!([0, 1].map(met), [4, 4]);
     }
 }
