@@ -93,16 +93,6 @@ class Ours:
         return self.learner.n_rules
 
 
-def plus(env, seed, tries=20):
-    import xcscr
-
-    return xcscr.Plus.for_env(env, feature_names=env.get_wrapper_attr("names"), gamma=GAMMA, tries=tries, seed=seed)
-
-
-def patient_plus(env, seed):
-    return plus(env, seed, tries=40)
-
-
 def xcs(env, seed):
     import xcscr
 
@@ -114,7 +104,7 @@ def create(method, env, seed):
     name, *settings = method.split(" ")
     if name == "q-learning":
         return QLearning(actions, seed, *map(float, settings))
-    return Ours({"plus": plus, "plus, tries=40": patient_plus, "xcs": xcs}[method](env, seed), actions, seed)
+    return Ours({"xcs": xcs}[method](env, seed), actions, seed)
 
 
 def tested(agent, env, episodes):
@@ -163,20 +153,7 @@ def run(method, problem, seed):
             reached = None
     row = {"method": method, "problem": problem, "seed": seed, "best": best, "steps": reached, "last": returns[-1]}
     row |= {"greatest": max(returns), "cpu_s": round(spent, 2), "rules": agent.rules(), "percepts": len(met)}
-    if method.startswith("plus"):
-        row |= cart(agent, list(met.values()))
     return row
-
-
-def cart(agent, percepts):
-    """Returns the nodes and leaves of the smallest of 20 trees with the agent's decisions in these percepts."""
-    from sklearn.tree import DecisionTreeClassifier
-
-    bits = agent.learner._percepts.rows(numpy.array(percepts))
-    actions = [agent.policy(percept) for percept in percepts]
-    trees = [DecisionTreeClassifier(random_state=seed).fit(bits, actions).tree_ for seed in range(20)]
-    tree = min(trees, key=lambda tree: tree.node_count)
-    return {"nodes": int(tree.node_count), "leaves": int(tree.n_leaves)}
 
 
 def read(file):
@@ -208,19 +185,13 @@ def table(rows):
                 f"| {problem} | {method} | {len(own)} | {reached} | {median} | {low} to {high} "
                 f"| {middle('last'):.2f} / {own[0]['best']:.2f} | {middle('cpu_s'):.1f} | {rules} |"
             )
-    print("\n| environment | percepts met | rules of plus | nodes of CART | leaves of CART |\n|---|---|---|---|---|")
-    for problem in BUDGETS:
-        own = [row for row in rows if row["problem"] == problem and row["method"] == "plus"]
-        if own:
-            cells = [f"{statistics.median(row[key] for row in own):,.0f}" for key in ("percepts", "rules", "nodes", "leaves")]
-            print(f"| {problem} | {' | '.join(cells)} |")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--table", action="store_true", help="print the tables of the results so far")
     parser.add_argument("--only", nargs="*", default=list(BUDGETS), help="these environments")
-    parser.add_argument("--methods", nargs="*", default=["plus", "plus, tries=40", "xcs", "q-learning"])
+    parser.add_argument("--methods", nargs="*", default=["xcs", "q-learning"])
     parser.add_argument("--runs", type=int, default=RUNS, help="the runs of each")
     parser.add_argument("--first", type=int, default=1, help="the seed of the first run")
     parser.add_argument("--file", type=Path, default=FILE, help="results, to which rows are added")
