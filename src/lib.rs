@@ -3,8 +3,8 @@
 //!
 //! The robot perceives the cells around it, chooses a direction, and drives there or hits a wall. It
 //! learns condition-action rules from what follows. The published methods are classifier systems: XCS
-//! and the reward methods of XCSCR (Zhang, Browne and Carnegie 2019). The default method, `xcscr-plus`,
-//! is XCSCR with a learned model: the model leads exploration, and its plan is imprinted into the rules.
+//! and the reward methods of XCSCR (Zhang, Browne and Carnegie 2019). The default method is `xcscr`;
+//! `xcscr-plus` adds a learned model, which leads exploration and repairs the rules.
 //!
 //! # Data flow
 //! ```text

@@ -110,12 +110,12 @@ def parts():
 
 
 def mechanisms():
-    head = ["left out", "maze", "solved", "retained at the end", "steps until solved", "95 % interval", "rules shown"]
+    head = ["left out", "maze", "solved", "retained at the end", "steps until solved", "95 % interval", "contacts", "rules shown"]
     rows = []
     for arm in arms("mechanisms"):
         part = arm["variant"].removeprefix("without=")
         part = part if part == "nothing" else f"`{part}`"
-        rows.append([part, MAZES[arm["world"]], arm["successes"], arm["retained"], f"{arm['iqm_env_steps']:.0f}", steps_interval(arm), shown(arm)])
+        rows.append([part, MAZES[arm["world"]], arm["successes"], arm["retained"], f"{arm['iqm_env_steps']:.0f}", steps_interval(arm), f"{arm['mean_collisions']:.0f}", shown(arm)])
     return table(head, rows)
 
 

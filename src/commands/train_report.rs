@@ -147,7 +147,7 @@ impl TrainReport {
         self.print_mechanisms(out)?;
         write_row(out, "steps chosen by", self.chosen)?;
         write_row(out, self.counted, self.rule_counts())?;
-        if let Some(advice) = self.advice() {
+        if let Some(advice) = self.advice(trial) {
             write_row(out, "what helps", advice)?;
         }
         self.print_files(recording, out)
@@ -182,21 +182,26 @@ impl TrainReport {
         Ok(())
     }
 
-    /// Returns what to try if no episode reached a goal, or no policy was optimal.
-    fn advice(&self) -> Option<String> {
-        let plus = Method::XcscrPlus.name();
-        let explores_by_chance = self.chosen.planner == 0;
-        match (self.reached_goal, self.first_optimal_episode) {
-            (0, _) if explores_by_chance => Some(format!(
-                "`--method {plus}` explores with a model; the way is too long for chance"
-            )),
-            (0, _) => Some("more episodes (`--episodes`)".to_owned()),
-            (_, None) if explores_by_chance => Some(format!(
-                "more episodes (`--episodes`), or `--method {plus}`"
-            )),
-            (_, None) => Some("more episodes (`--episodes`)".to_owned()),
-            _ => None,
+    /// Returns what to try if the policy is not optimal at the end.
+    fn advice(&self, trial: &Trial) -> Option<String> {
+        if self.retained {
+            return None;
         }
+        let Plan { maze, config } = trial.plan();
+        if config.settings.sensor.history == 0 && config.sensor.misleads(maze, trial.paths()) {
+            let sensor = config.sensor.with_position().name();
+            return Some(format!(
+                "`--sensor {sensor}`: here cells share a percept but need different actions"
+            ));
+        }
+        let plus = Method::XcscrPlus.name();
+        Some(match self.reached_goal {
+            _ if self.chosen.planner > 0 => "more episodes (`--episodes`)".to_owned(),
+            0 => format!("`--method {plus}` explores with a model; the way is too long for chance"),
+            _ => {
+                format!("`--method {plus}` explores with a model; or more episodes (`--episodes`)")
+            }
+        })
     }
 
     fn optimal_after(&self) -> String {

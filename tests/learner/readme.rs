@@ -116,26 +116,61 @@ fn what_the_pages_say_of_xcsam_is_in_the_results() {
     assert_told(&format!("settings in {} of 100 trials", found.join(", ")));
 }
 
-/// A row of the front page: solved trials, and the interquartile mean of the steps, in Maze6.
-fn front_row(name: &str, method: &str, file: &str) -> String {
+/// The figures of a table of the front page, in Maze4, Maze5 and Maze6.
+fn in_three_mazes(arms: &[&Value], key: &str) -> String {
+    let figure = |arm: &&Value| format!("{:.0}", arm[key].as_f64().unwrap());
+    arms.iter().map(figure).collect::<Vec<_>>().join(", ")
+}
+
+/// The end of a row about a method: solved, retained, steps, contacts.
+fn method_row(method: &str, file: &str) -> String {
     let summary = results(file);
-    let arm = arms(&summary)
-        .iter()
-        .find(|arm| arm["method"] == method && arm["world"] == "maze6")
-        .unwrap();
-    let steps = arm["iqm_env_steps"].as_f64().unwrap();
-    format!("| {name} | {} | {steps:.0} |", arm["successes"])
+    let all = arms(&summary).iter();
+    let all: Vec<&Value> = all.filter(|arm| arm["method"] == method).collect();
+    let keys = ["successes", "retained", "iqm_env_steps", "mean_collisions"];
+    let cells = keys.map(|key| in_three_mazes(&all, key));
+    format!("| {} |", cells.join(" | "))
+}
+
+/// The end of a row about a mechanism: retained, steps, contacts.
+fn mechanism_row(left_out: &str) -> String {
+    let summary = results("mechanisms");
+    let variant = format!("without={left_out}");
+    let all = arms(&summary).iter();
+    let all: Vec<&Value> = all.filter(|arm| arm["variant"] == *variant).collect();
+    let keys = ["retained", "iqm_env_steps", "mean_collisions"];
+    let cells = keys.map(|key| in_three_mazes(&all, key));
+    format!("| {} |", cells.join(" | "))
 }
 
 #[test]
-fn the_table_of_the_front_page_is_that_of_the_results() {
+fn the_tables_of_the_front_page_are_those_of_the_results() {
     let readme = text("README.md");
-    for method in ["xcs", "xcscr", "q-learning", "r-max", "xcscr-plus"] {
-        let row = front_row(&format!("`{method}`"), method, "defaults");
+    let methods = [
+        "xcs",
+        "adapted-discounted",
+        "xcscr",
+        "q-learning",
+        "r-max",
+        "xcscr-plus",
+    ];
+    for method in methods {
+        let row = format!("| `{method}` {}", method_row(method, "defaults"));
         assert!(readme.contains(&row), "the README lacks\n{row}");
     }
-    let row = front_row("`r-max` without generalisation", "r-max", "r-max-bare");
+    let row = method_row("q-learning", "tuned");
     assert!(readme.contains(&row), "the README lacks\n{row}");
+    let mechanisms = [
+        "nothing",
+        "reward.short_term_filter",
+        "reward.imprinting",
+        "reward.learning_rate_switching",
+        "reward.learning_step_threshold",
+        "reward.loop_erasure",
+    ];
+    for row in mechanisms.map(mechanism_row) {
+        assert!(readme.contains(&row), "the README lacks\n{row}");
+    }
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn pictures_pages_and_studies_on_a_full_disk_end_in_code_74_and_leave_nothing_to
     let run = run.to_str().unwrap();
     desk.write("ballast", vec![0; 48 * 1024]);
     for line in [
-        &format!("map {run} -o @p.svg")[..],
+        &format!("map {run} --worth -o @p.svg")[..],
         &format!("replay {run} --html @page.html"),
         "study run paper --episodes 1 --out @s",
     ] {

@@ -21,7 +21,7 @@ const LEVELS: f32 = 20.0;
 #[derive(Debug, Default, Serialize)]
 pub struct Data {
     pub heading: String,
-    /// The result of the last episode.
+    /// The result of the last episode, or of the drive of the learned policy.
     pub result: String,
     /// The duration, in seconds.
     pub end: f64,

@@ -51,7 +51,7 @@ pub fn page_of_run(
     episodes: &[PathBuf],
 ) -> Result<String, Error> {
     let chapters = chapters::chapters(run, &reading::maze(run)?)?;
-    let mut data = Data::of(drive)?;
+    let mut data = Data::of_policy(drive)?;
     data.set_run(chapters, episodes)?;
     Ok(page_of(&data))
 }

@@ -52,6 +52,16 @@ struct Reader {
 impl Data {
     /// Reads a recording of a run or an episode.
     pub fn of(recording: &Recording) -> Result<Self, Error> {
+        Self::read(recording, |end| format!("Episode {}", end.episode))
+    }
+
+    /// Reads a recording of a drive of the learned policy.
+    pub fn of_policy(recording: &Recording) -> Result<Self, Error> {
+        Self::read(recording, |_| "The learned policy".to_owned())
+    }
+
+    /// Reads a recording. `subject` names the last episode in the sentence about its result.
+    fn read(recording: &Recording, subject: impl Fn(&End) -> String) -> Result<Self, Error> {
         let mut reader = Reader::new(recording)?;
         let mut left = MOST_BYTES;
         for message in recording.messages() {
@@ -67,7 +77,7 @@ impl Data {
             })?;
             reader.add(recording, topic, &message)?;
         }
-        Ok(reader.finish())
+        Ok(reader.finish(subject))
     }
 }
 
@@ -237,7 +247,7 @@ impl Reader {
     }
 
     /// Returns the data, with what depends on the whole recording.
-    fn finish(self) -> Data {
+    fn finish(self, subject: impl Fn(&End) -> String) -> Data {
         let mut data = self.data;
         if data.poses.is_empty() {
             data.poses = self.cells;
@@ -252,7 +262,8 @@ impl Reader {
         if is_empty {
             data.curve = Some(self.ends);
         }
-        data.result = self.last.as_ref().map_or_else(String::new, result);
+        let last = self.last.as_ref();
+        data.result = last.map_or_else(String::new, |end| result(&subject(end), end));
         data
     }
 }
@@ -273,17 +284,14 @@ pub fn maze(recording: &Recording) -> Result<Maze, Error> {
     Maze::from_json(world, "world.json").map_err(|fault| recording.damaged(fault.to_string()))
 }
 
-/// Returns the result of an episode and the length of the shortest path as text.
-fn result(end: &End) -> String {
+/// Returns the result of an episode, which `subject` names, and the length of the shortest path as text.
+fn result(subject: &str, end: &End) -> String {
     let how = match end.outcome.as_str() {
         "goal" => "reached the goal",
-        _ => "ended before the goal",
+        _ => "gave up at the step limit",
     };
     let shortest = end
         .shortest
         .map_or_else(String::new, |n| format!("; the shortest path has {n}"));
-    format!(
-        "The last episode {how} after {} steps{shortest}.",
-        end.steps
-    )
+    format!("{subject} {how} after {} steps{shortest}.", end.steps)
 }

@@ -21,8 +21,19 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 
 #[cfg(test)]
 mod tests {
+    use toml::Table;
+
     use super::*;
     use crate::study::protocol::frozen;
+    use crate::trial::flatten;
+
+    #[test]
+    fn the_settings_file_of_the_paper_has_the_settings_of_its_study() {
+        let file: Table = include_str!("../../../assets/paper.toml").parse().unwrap();
+        let study: Table = study("paper").unwrap().parse().unwrap();
+        let settings = study["settings"].as_table().unwrap();
+        assert_eq!(flatten(file), flatten(settings.clone()));
+    }
 
     #[test]
     fn every_shipped_study_can_be_planned() {

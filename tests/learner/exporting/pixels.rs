@@ -19,7 +19,9 @@ fn learned_flat() -> std::sync::Arc<Learned> {
     let settings = burger
         .settings_over(&Settings::of(Method::XcscrPlus))
         .unwrap();
-    let plan = Plan::new(Flat::new().gridded(0.5).maze).settings(settings);
+    let plan = Plan::new(Flat::new().gridded(0.5).maze)
+        .method(Method::XcscrPlus)
+        .settings(settings);
     learned(plan.sensor(Sensor::LidarPosition).episodes(60))
 }
 
@@ -30,8 +32,8 @@ fn path(learned: &Learned) -> Vec<Cell> {
     let mut path = Vec::new();
     while !maze.is_goal(cell) && path.len() < 100 {
         let values = learned.knowledge.values(&sensor.perceive_at(maze, cell), 4);
-        let best = xcscr::xcs::Action::all(4).find(|&action| values.is_nearly_best(action));
-        let direction = maze.direction(best.unwrap()).unwrap();
+        let best = values.best_actions().next().unwrap();
+        let direction = maze.direction(best).unwrap();
         cell = maze.step(cell, direction).unwrap_or(cell);
         path.push(cell);
     }

@@ -43,14 +43,20 @@ impl Config {
         let arena: Box<dyn Arena> = match self.arena {
             ArenaKind::Grid => Box::new(GridArena::new(maze.clone())),
             ArenaKind::Physics => {
-                let mut params = self.settings.physics.clone();
-                if self.sensor.is_sensed() {
-                    params.localisation = Localisation::Estimated;
-                }
+                let params = self.robot_params();
                 Box::new(PhysicsArena::new(maze.clone(), params, self.seed)?)
             }
         };
         Ok(self.decorated(arena, maze))
+    }
+
+    /// Returns the robot parameters. A robot that perceives with its sensors also estimates its pose with them.
+    fn robot_params(&self) -> PhysicsParams {
+        let mut params = self.settings.physics.clone();
+        if self.senses() {
+            params.localisation = Localisation::Estimated;
+        }
+        params
     }
 
     /// Adds slips and observation errors to an arena around a maze, as configured.
@@ -244,6 +250,7 @@ impl Plan {
     pub fn settled(self) -> Self {
         let mut plan = self.fitted();
         plan.config.settings = plan.config.settings.settled_in(&plan.maze);
+        plan.config.settings.physics = plan.config.robot_params();
         plan
     }
 
