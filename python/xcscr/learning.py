@@ -70,7 +70,7 @@ class Result:
 
 def train(
     world: str | os.PathLike[str] = "maze4",
-    method: str = "xcscr-plus",
+    method: str = "xcscr",
     *,
     arena: str = "physics",
     sensor: str | None = None,
