@@ -190,16 +190,14 @@ impl TrainReport {
         let Plan { maze, config } = trial.plan();
         if config.settings.sensor.history == 0 && config.sensor.misleads(maze, trial.paths()) {
             let sensor = config.sensor.with_position().name();
-            return Some(format!(
-                "`--sensor {sensor}`: here cells share a percept but need different actions"
-            ));
+            return Some(format!("`--sensor {sensor}`: some cells share a percept"));
         }
         let plus = Method::XcscrPlus.name();
         Some(match self.reached_goal {
-            _ if self.chosen.planner > 0 => "more episodes (`--episodes`)".to_owned(),
-            0 => format!("`--method {plus}` explores with a model; the way is too long for chance"),
+            _ if self.chosen.planner > 0 => "more episodes".to_owned(),
+            0 => format!("`--method {plus}`: the way is too long for chance"),
             _ => {
-                format!("`--method {plus}` explores with a model; or more episodes (`--episodes`)")
+                format!("`--method {plus}`, or more episodes")
             }
         })
     }
